@@ -1,0 +1,54 @@
+#pragma once
+
+#include "parameter/node.hpp"
+
+namespace apeiron::scene {
+
+/// The camera of a scene: a typed view of its node that knows how it moves.
+///
+/// The world is right-handed with +z up. Camera space is OpenGL's: +x right, +y up, looking along -z; `orientation`
+/// turns camera space into world space. Positions are decimals of any length: no move loses digits.
+///
+/// Node parameters: `mode` {orbit, free}; `position` (Decimal3); `target` (Decimal3), `up` (vec3) and `roll` [deg] decide the
+/// orientation in orbit mode; `orientation` (vec4 quaternion x y z w) does in free mode; `fov` vertical [deg]; `projection`
+/// {perspective, orthographic}.
+class Camera {
+  public:
+    /// @pre node.type().role == "camera"
+    explicit Camera(parameter::Node node);
+
+    const parameter::Node& node() const { return node_; }
+
+    bool orbiting() const;
+    const parameter::Decimal3& position() const;
+    const parameter::Decimal3& target() const;
+    /// Camera to world. In orbit mode looks at the target with `up` upwards; when these are parallel or
+    /// the target is at the position, a fixed other axis takes up's place.
+    glm::dquat orientation() const;
+    glm::dvec3 forward() const;
+    glm::dvec3 right() const;
+    glm::dvec3 up() const;
+    double fov() const; ///< vertical [rad]
+    /// From position to target [world units], computed without cancellation at any zoom.
+    double distance() const;
+
+    /// Turns around the target: positive yaw moves the camera to its right, positive pitch up [rad]. Stays clear
+    /// of the poles. In free mode the target is first put `distance()` ahead and the mode becomes orbit.
+    void orbit(double yaw, double pitch);
+    /// Orbit mode: multiplies the distance to the target; free mode: moves forward by (1 - factor) * distance().
+    void zoom(double factor);
+    /// Moves position and target together in the picture plane, in fractions of the picture height at the target.
+    void pan(double right, double up);
+    /// Flies by an offset in camera space [world units] (x right, y up, z backwards); the mode becomes free.
+    void fly(const glm::dvec3& offset);
+    /// Turns the view in place [rad]: yaw to the left, pitch up, roll counter-clockwise; the mode becomes free.
+    void look(double yaw, double pitch, double roll);
+
+  private:
+    void moveBy(const glm::dvec3& worldOffset, bool withTarget);
+    void setOrientation(const glm::dquat& orientation);
+
+    parameter::Node node_;
+};
+
+} // namespace apeiron::scene

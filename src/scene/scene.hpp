@@ -1,0 +1,65 @@
+#pragma once
+
+#include "parameter/json_source.hpp"
+#include "scene/catalogue.hpp"
+
+namespace apeiron::scene {
+
+/// The scene document: everything that decides a picture, and nothing of the GPU.
+///
+///     { "apeiron": 1, "title": "...", "camera": {...}, "subject": {"type": "fractal", ...}, "renderer": {...},
+///       "lights": [{"type": "sun", ...}], "environment": {...},
+///       "post": {..., "effects": [{"type": "vignette", ...}]}, "output": {...} }
+///
+/// Every key may be left out and then has its default (a mandelbulb under one sun).
+class Scene {
+  public:
+    static constexpr int kVersion = 1;
+
+    /// The default scene.
+    explicit Scene(std::shared_ptr<const Catalogue> catalogue);
+
+    /// @param base the folder that paths in the document are relative to
+    /// @throws Error (BadInput) at file:line (pointer): unknown keys, bad values, a newer version.
+    static Scene fromJson(std::shared_ptr<const Catalogue> catalogue, const parameter::JsonSource& source,
+                          const std::filesystem::path& base = {});
+    /// Parses text; `file` is its name in messages. @throws as above.
+    static Scene parse(std::shared_ptr<const Catalogue> catalogue, const std::string& file, const std::string& text,
+                       const std::filesystem::path& base = {});
+
+    /// Complete document: reads back as an equal scene. Parameters at their default are left out unless `all`.
+    Json toJson(bool all = false) const;
+
+    /// Sets one value by path: `subject.power`, `lights.0.intensity` (or `lights[0].intensity`), `title`,
+    /// `post.effects.0.strength`, `subject.type` and other `type`s. An index equal to the list's length with `.type`
+    /// appends a node (`lights.1.type=point`). Values are command-line text (see parameter::valueFromText) or JSON.
+    /// Returns what that makes stale. Nothing changes when it throws.
+    /// @throws Error (BadInput) "path: ..." with the nearest name.
+    parameter::Invalidates set(std::string_view path, std::string_view text, const std::filesystem::path& base = {});
+    parameter::Invalidates set(std::string_view path, const Json& value, const std::filesystem::path& base = {});
+
+    std::string title;
+    parameter::Node camera;
+    parameter::Node subject;
+    parameter::Node renderer;
+    std::vector<parameter::Node> lights;
+    parameter::Node environment;
+    parameter::Node post;
+    std::vector<parameter::Node> effects;
+    parameter::Node output;
+
+    const Catalogue& catalogue() const { return *catalogue_; }
+    std::shared_ptr<const Catalogue> sharedCatalogue() const { return catalogue_; }
+    bool operator==(const Scene& other) const;
+
+    static constexpr std::size_t kMaxLights = 8;  ///< the length of the shaders' light arrays
+    static constexpr std::size_t kMaxEffects = 32;
+
+  private:
+    std::shared_ptr<const Catalogue> catalogue_;
+};
+
+/// The more far-reaching of two (Program > Samples > Present > Nothing).
+parameter::Invalidates strongest(parameter::Invalidates a, parameter::Invalidates b);
+
+} // namespace apeiron::scene
