@@ -22,6 +22,7 @@ class Decimal {
     /// The nearest double (0 or ±infinity outside its range).
     double toDouble() const;
 
+    /// @throws Error (BadInput) when the exact sum has more than kMaxDigits digits; so does operator-.
     Decimal operator+(const Decimal& other) const;
     Decimal operator-(const Decimal& other) const;
     Decimal operator-() const;

@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace apeiron {
 
@@ -21,8 +22,7 @@ class Error : public std::runtime_error {
     /// @param what  what is wrong, as a phrase without a final full stop
     /// @param where the place: `file:line`, a JSON pointer, an option; may be empty
     /// @param hint  what the user can do about it; may be empty
-    Error(ErrorKind kind, const std::string& what, const std::string& where = {},
-          const std::string& hint = {});
+    Error(ErrorKind kind, const std::string& what, const std::string& where = {}, const std::string& hint = {});
 
     ErrorKind kind() const { return kind_; }
 
@@ -33,5 +33,8 @@ class Error : public std::runtime_error {
     Error(ErrorKind kind, const std::string& message, int);
     ErrorKind kind_;
 };
+
+/// The text in double quotes for a message: shortened when long, control characters as '?'.
+std::string inQuotes(std::string_view text);
 
 } // namespace apeiron

@@ -31,8 +31,7 @@ template <class T> class Image {
   private:
     std::size_t offset(int x, int y) const {
         assert(x >= 0 && x < width_ && y >= 0 && y < height_);
-        return (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                static_cast<std::size_t>(x)) *
+        return (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)) *
                static_cast<std::size_t>(channels_);
     }
 

@@ -22,10 +22,10 @@ enum class Type {
     Vec2,
     Vec3,
     Vec4,
-    Choice,  ///< one of `choices`, by label; an int (its index) in GLSL
-    Text,    ///< host only
+    Choice,   ///< one of `choices`, by label; an int (its index) in GLSL
+    Text,     ///< host only
     Decimal3, ///< a position as three decimals of any length; host only
-    Module,  ///< the name of a GLSL module in `folder`, a path to one, or its source; host only
+    Module,   ///< the name of a GLSL module in `folder`, a path to one, or its source; host only
 };
 
 /// What an edit of a parameter makes stale.
@@ -46,26 +46,27 @@ struct ModuleReference {
 using Decimal3 = std::array<Decimal, 3>;
 
 /// A parameter's value. Choice labels and texts are strings; vectors are double.
-using Value = std::variant<bool, std::int64_t, double, glm::dvec2, glm::dvec3, glm::dvec4, std::string,
-                           Decimal3, ModuleReference>;
+using Value = std::variant<bool, std::int64_t, double, glm::dvec2, glm::dvec3, glm::dvec4, std::string, Decimal3,
+                           ModuleReference>;
 
 /// One parameter, declared once: in an annotated GLSL uniform or in C++.
 struct Parameter {
-    std::string name;                  ///< the JSON key and the GLSL uniform's name
+    std::string name; ///< the JSON key and the GLSL uniform's name
     Type type = Type::Float;
     Value defaultValue = 0.0;
-    std::optional<double> minimum;     ///< inclusive; per component for vectors
-    std::optional<double> maximum;     ///< inclusive
-    std::optional<double> step;        ///< a slider's step
-    std::string unit;                  ///< "deg", "EV", "px"; empty: dimensionless
-    std::vector<std::string> choices;  ///< labels of a Choice, index = GLSL value
-    std::string folder;                ///< where a Module's candidates live ("formulas")
+    std::optional<double> minimum;    ///< inclusive; per component for vectors
+    std::optional<double> maximum;    ///< inclusive
+    std::optional<double> step;       ///< a slider's step
+    std::string unit;                 ///< "deg", "EV", "px"; empty: dimensionless
+    std::vector<std::string> choices; ///< labels of a Choice, index = GLSL value
+    std::string folder;               ///< where a Module's candidates live ("formulas")
     Invalidates invalidates = Invalidates::Samples;
-    bool color = false;                ///< a Vec3 that is a linear RGB colour
-    bool logarithmic = false;          ///< a slider should be logarithmic
-    bool uniform = false;              ///< declared by a GLSL uniform (else host only)
-    std::string doc;                   ///< one sentence for people
-    std::string where;                 ///< "file:line" of the declaration
+    bool color = false;       ///< a Vec3 that is a linear RGB colour
+    bool logarithmic = false; ///< a slider should be logarithmic
+    bool uniform = false;     ///< declared by a GLSL uniform (else host only)
+    std::string doc;          ///< one sentence for people
+    std::string where;        ///< "file:line" of the declaration
+    bool nonZero = false;     ///< a vector that must have a direction (an axis, a quaternion)
 };
 
 /// The GLSL-like name of a type: "float", "choice", ...
@@ -77,11 +78,16 @@ std::string_view toString(Invalidates invalidates);
 /// @throws Error (BadInput) that says what is expected; its place is left to the caller.
 Value valueFromJson(const Parameter& parameter, const Json& json);
 
-/// The same for a command line's text: `9`, `0.1,0.2,0.3`, `true`, `penumbra`, or JSON.
+/// The same for a command line's text: `9`, `0.1,0.2,0.3`, `(0.1, 0.2, 0.3)`, `true`, `penumbra`, or JSON.
+/// Decimals keep all their digits, which a JSON number cannot: in documents, write them as strings.
 Value valueFromText(const Parameter& parameter, std::string_view text);
 
 /// As it is saved: numbers shortest round trip, vectors as arrays, decimals as strings.
 Json toJson(const Value& value);
+
+/// `value` in the alternative that the parameter's type wants where it means the same: an int as a float, a text as a
+/// module's name. Other values come back as they are; validate() judges them.
+Value adapted(const Parameter& parameter, Value value);
 
 /// Checks a value made in C++. @throws Error (BadInput) as valueFromJson().
 void validate(const Parameter& parameter, const Value& value);

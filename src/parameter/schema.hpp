@@ -7,7 +7,9 @@ namespace apeiron::parameter {
 /// An ordered set of parameters with distinct names.
 class Schema {
   public:
-    /// @throws Error (BadInput) naming both places when the name is taken.
+    /// A Module parameter that invalidates Samples (what a declaration says by saying nothing) becomes Program: other
+    /// code always needs other kernels. @throws Error (BadInput) naming both places when the name is taken, and when
+    /// the default value is not valid.
     void add(Parameter parameter);
     void add(const std::vector<Parameter>& parameters);
 

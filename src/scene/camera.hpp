@@ -9,9 +9,9 @@ namespace apeiron::scene {
 /// The world is right-handed with +z up. Camera space is OpenGL's: +x right, +y up, looking along -z; `orientation`
 /// turns camera space into world space. Positions are decimals of any length: no move loses digits.
 ///
-/// Node parameters: `mode` {orbit, free}; `position` (Decimal3); `target` (Decimal3), `up` (vec3) and `roll` [deg] decide the
-/// orientation in orbit mode; `orientation` (vec4 quaternion x y z w) does in free mode; `fov` vertical [deg]; `projection`
-/// {perspective, orthographic}.
+/// Node parameters: `mode` {orbit, free}; `position` (Decimal3); `target` (Decimal3), `up` (vec3) and `roll` [deg]
+/// decide the orientation in orbit mode; `orientation` (vec4 quaternion x y z w) does in free mode; `fov` vertical
+/// [deg]; `projection` {perspective, orthographic}.
 class Camera {
   public:
     /// @pre node.type().role == "camera"
@@ -33,20 +33,25 @@ class Camera {
     double distance() const;
 
     /// Turns around the target: positive yaw moves the camera to its right, positive pitch up [rad]. Stays clear
-    /// of the poles. In free mode the target is first put `distance()` ahead and the mode becomes orbit.
+    /// of the poles. In free mode the target is first put `distance()` ahead, `roll` becomes what the free
+    /// orientation has, and the mode becomes orbit: the picture does not jump.
     void orbit(double yaw, double pitch);
-    /// Orbit mode: multiplies the distance to the target; free mode: moves forward by (1 - factor) * distance().
+    /// Multiplies the distance to the target. In free mode that moves the camera forward by (1 - factor) * distance()
+    /// and first puts the target ahead, so that distance() is always the scale of moves. @pre factor > 0
     void zoom(double factor);
     /// Moves position and target together in the picture plane, in fractions of the picture height at the target.
     void pan(double right, double up);
-    /// Flies by an offset in camera space [world units] (x right, y up, z backwards); the mode becomes free.
+    /// Flies by an offset in camera space [world units] (x right, y up, z backwards), together with the target; the
+    /// mode becomes free.
     void fly(const glm::dvec3& offset);
-    /// Turns the view in place [rad]: yaw to the left, pitch up, roll counter-clockwise; the mode becomes free.
+    /// Turns the view in place [rad]: yaw to the left, pitch up, roll counter-clockwise; the mode becomes free and the
+    /// target stays ahead.
     void look(double yaw, double pitch, double roll);
 
   private:
-    void moveBy(const glm::dvec3& worldOffset, bool withTarget);
-    void setOrientation(const glm::dquat& orientation);
+    void makeFree();
+    void makeOrbit();
+    void aimTarget();
 
     parameter::Node node_;
 };

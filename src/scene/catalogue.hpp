@@ -12,15 +12,22 @@ class Catalogue {
 
     void add(parameter::NodeType type);
 
-    /// The types of a role ("light"), in the order they were added.
+    /// Whether a scene holds a list of nodes of that role (lights, effects).
+    static bool isList(std::string_view role);
+
+    /// The types of a role ("light"), in the order they were added; empty for an unknown role.
     const std::vector<std::shared_ptr<const parameter::NodeType>>& types(std::string_view role) const;
-    /// @throws Error (BadInput) for an unknown type name, with the nearest as a hint.
+    /// An empty name means the first type. @throws Error (BadInput) for an unknown type name, with the nearest as a
+    /// hint.
     std::shared_ptr<const parameter::NodeType> type(std::string_view role, std::string_view name) const;
 
     /// Every role, type, module and parameter as JSON: what `apeiron schema --json`, the panels and the docs read.
     ///
     /// { "version": 1, "roles": { ROLE: { "list": bool, "types": { TYPE: { "doc", "parameters": [...] } } } },
     ///   "modules": { FOLDER: { NAME: { "doc", "tags", "parameters": [...] } } } }
+    ///
+    /// TYPE is "" where the role has one type only: such nodes have no key "type", unless it is a Module parameter.
+    /// A type's parameters are without those of its modules, which depend on the choice.
     Json toJson() const;
 
   private:

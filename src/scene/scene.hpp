@@ -33,6 +33,8 @@ class Scene {
     /// Sets one value by path: `subject.power`, `lights.0.intensity` (or `lights[0].intensity`), `title`,
     /// `post.effects.0.strength`, `subject.type` and other `type`s. An index equal to the list's length with `.type`
     /// appends a node (`lights.1.type=point`). Values are command-line text (see parameter::valueFromText) or JSON.
+    /// Whole parts are set by JSON as in a document (`lights`, `lights.0`, `camera`, `post.effects`); null removes a
+    /// node from a list (`lights.0=null`).
     /// Returns what that makes stale. Nothing changes when it throws.
     /// @throws Error (BadInput) "path: ..." with the nearest name.
     parameter::Invalidates set(std::string_view path, std::string_view text, const std::filesystem::path& base = {});
@@ -52,7 +54,7 @@ class Scene {
     std::shared_ptr<const Catalogue> sharedCatalogue() const { return catalogue_; }
     bool operator==(const Scene& other) const;
 
-    static constexpr std::size_t kMaxLights = 8;  ///< the length of the shaders' light arrays
+    static constexpr std::size_t kMaxLights = 8; ///< the length of the shaders' light arrays
     static constexpr std::size_t kMaxEffects = 32;
 
   private:

@@ -1,0 +1,17 @@
+// What a formula works on. A formula is one file that declares
+//
+//     uniform int iterations;           annotated, as all of its parameters
+//     uniform float bailout;            annotated: the orbit has escaped when |z| is larger
+//     void iterate(inout Orbit orbit)   one step of the map, with its derivative
+//     float estimate(Orbit orbit)       the distance that the final orbit tells
+//     float bound()                     optional: radius of a sphere around the origin that holds everything
+//     const float step_factor           optional: by how much the estimate must be shortened to be a lower bound
+
+struct Orbit {
+    vec3 z;           // the point that is iterated
+    vec3 c;           // the constant of the map: the starting point, or the Julia constant
+    float derivative; // length of the running derivative
+    float dc;         // derivative of c: 1, or 0 where c is a constant (Julia sets)
+    float r2;         // |z| squared, of this z
+    int i;            // iterations done
+};

@@ -1,0 +1,289 @@
+#include "gpu/shader_source.hpp"
+
+#include "core/error.hpp"
+#include "core/resources.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <regex>
+#include <sstream>
+
+namespace apeiron::gpu {
+namespace {
+
+bool isIdentifierStart(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+bool isIdentifier(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+
+/// The identifier that starts at `i`.
+std::string_view identifierAt(std::string_view text, std::size_t i) {
+    std::size_t end = i;
+    while (end < text.size() && isIdentifier(text[end])) ++end;
+    return text.substr(i, end - i);
+}
+
+char nextNonSpace(std::string_view text, std::size_t i) {
+    while (i < text.size() && std::isspace(static_cast<unsigned char>(text[i])) != 0) ++i;
+    return i < text.size() ? text[i] : '\0';
+}
+
+} // namespace
+
+std::string withoutComments(std::string_view text) {
+    std::string out(text);
+    for (std::size_t i = 0; i + 1 < out.size(); ++i) {
+        if (out[i] != '/') continue;
+        if (out[i + 1] == '/') {
+            while (i < out.size() && out[i] != '\n') out[i++] = ' ';
+        } else if (out[i + 1] == '*') {
+            const std::size_t end = std::min(out.find("*/", i + 2), out.size() - 2) + 2;
+            for (; i < end; ++i) {
+                if (out[i] != '\n') out[i] = ' ';
+            }
+            --i;
+        }
+    }
+    return out;
+}
+
+std::set<std::string> globalNames(std::string_view source) {
+    const std::string text = withoutComments(source);
+    std::set<std::string> names;
+    int depth = 0;              // of all brackets
+    bool declaring = true;      // before a '=' of the current global declaration
+    bool lineStart = true;
+    std::string previous;       // the identifier before the current one
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (c == '\n') {
+            lineStart = true;
+            continue;
+        }
+        if (std::isspace(static_cast<unsigned char>(c)) != 0) continue;
+        if (c == '#' && lineStart) {
+            const std::size_t end = std::min(text.find('\n', i), text.size());
+            static const std::regex kDefine(R"(^#\s*define\s+(\w+))");
+            std::cmatch match;
+            if (std::regex_search(text.data() + i, text.data() + end, match, kDefine)) names.insert(match[1].str());
+            i = end - 1;
+            continue;
+        }
+        lineStart = false;
+        if (isIdentifierStart(c)) {
+            const std::string word(identifierAt(text, i));
+            const char after = nextNonSpace(text, i + word.size());
+            if (depth == 0 && declaring && !previous.empty() &&
+                (after == '(' || after == '=' || after == ';' || after == '[' || after == ',' ||
+                 (after == '{' && previous == "struct")) &&
+                word != "layout") {
+                names.insert(word);
+            }
+            previous = word;
+            i += word.size() - 1;
+        } else if (std::isdigit(static_cast<unsigned char>(c)) != 0) {
+            i += identifierAt(text, i).size() - 1;
+        } else if (c == '(' || c == '{' || c == '[') {
+            ++depth;
+        } else if (c == ')' || c == '}' || c == ']') {
+            --depth;
+            if (depth == 0 && c == '}') {
+                declaring = true;
+                previous.clear();
+            }
+        } else if (depth == 0 && c == '=') {
+            declaring = false;
+        } else if (depth == 0 && c == ';') {
+            declaring = true;
+            previous.clear();
+        }
+    }
+    return names;
+}
+
+std::string withPrefix(std::string_view text, const std::set<std::string>& names, const std::string& prefix) {
+    std::string out;
+    out.reserve(text.size() + text.size() / 8);
+    char before = '\0'; // the last character that is no space
+    for (std::size_t i = 0; i < text.size();) {
+        if (text[i] == '#' && (before == '\0' || before == '\n')) {
+            // Directives that hold paths and words, not code.
+            const std::string_view line = text.substr(i, text.find('\n', i) - i);
+            if (line.find("include") != std::string_view::npos || line.find("pragma") != std::string_view::npos) {
+                out += line;
+                i += line.size();
+                continue;
+            }
+        }
+        if (isIdentifierStart(text[i])) {
+            const std::string word(identifierAt(text, i));
+            if (before != '.' && names.contains(word)) out += prefix;
+            out += word;
+            before = word.back();
+            i += word.size();
+        } else if (std::isdigit(static_cast<unsigned char>(text[i])) != 0) {
+            const std::string_view number = identifierAt(text, i);
+            out += number;
+            before = number.back();
+            i += number.size();
+        } else {
+            if (text[i] == '\n' || std::isspace(static_cast<unsigned char>(text[i])) == 0) before = text[i];
+            out += text[i++];
+        }
+    }
+    return out;
+}
+
+std::string glslLiteral(const parameter::Parameter& p, const parameter::Value& value) {
+    const auto number = [](double v) {
+        std::string text = fmt::format("{:.9g}", static_cast<float>(v));
+        if (text.find_first_of(".e") == std::string::npos) text += ".0";
+        return text;
+    };
+    switch (p.type) {
+    case parameter::Type::Bool: return std::get<bool>(value) ? "true" : "false";
+    case parameter::Type::Int: return fmt::format("{}", std::get<std::int64_t>(value));
+    case parameter::Type::Float: return number(std::get<double>(value));
+    case parameter::Type::Choice: {
+        const auto it = std::find(p.choices.begin(), p.choices.end(), std::get<std::string>(value));
+        return fmt::format("{}", it - p.choices.begin());
+    }
+    case parameter::Type::Vec2: {
+        const auto& v = std::get<glm::dvec2>(value);
+        return fmt::format("vec2({}, {})", number(v.x), number(v.y));
+    }
+    case parameter::Type::Vec3: {
+        const auto& v = std::get<glm::dvec3>(value);
+        return fmt::format("vec3({}, {}, {})", number(v.x), number(v.y), number(v.z));
+    }
+    case parameter::Type::Vec4: {
+        const auto& v = std::get<glm::dvec4>(value);
+        return fmt::format("vec4({}, {}, {}, {})", number(v.x), number(v.y), number(v.z), number(v.w));
+    }
+    default: throw Error(ErrorKind::BadInput, fmt::format("'{}' cannot be a GLSL value", p.name), p.where);
+    }
+}
+
+std::size_t ShaderSource::fileIndex(const std::string& name, bool embedded) {
+    for (std::size_t i = 0; i < files_.size(); ++i) {
+        if (files_[i].name == name) return i;
+    }
+    files_.push_back({name, embedded});
+    return files_.size() - 1;
+}
+
+void ShaderSource::append(const std::string& name, bool embedded, const std::string& text) {
+    const std::size_t index = fileIndex(name, embedded);
+    static const std::regex kInclude(R"(^\s*#\s*include\s+"([^"]+)\"\s*$)");
+    static const std::regex kPragma(R"(^\s*#\s*pragma\s+apeiron\b.*)");
+    text_ += fmt::format("#line 1 {}\n", index);
+    std::istringstream lines(text);
+    std::string line;
+    for (int number = 1; std::getline(lines, line); ++number) {
+        std::smatch match;
+        if (line.find('#') != std::string::npos && std::regex_match(line, match, kInclude)) {
+            const std::string path = match[1];
+            if (included_.contains(path)) {
+                text_ += '\n';
+                continue;
+            }
+            if (!findResource(path)) {
+                throw Error(ErrorKind::BadInput, fmt::format("cannot include \"{}\"", path),
+                            fmt::format("{}:{}", name, number), "include paths are relative to src/");
+            }
+            addFile(path);
+            text_ += fmt::format("#line {} {}\n", number + 1, index);
+        } else if (line.find("pragma") != std::string::npos && std::regex_match(line, kPragma)) {
+            text_ += '\n';
+        } else {
+            text_ += line;
+            text_ += '\n';
+        }
+    }
+}
+
+void ShaderSource::addFile(std::string_view path) {
+    if (included_.contains(path)) return;
+    const auto resource = findResource(path);
+    if (!resource) throw Error(ErrorKind::BadInput, fmt::format("no embedded file '{}'", path));
+    included_.emplace(path);
+    append(std::string(path), true, withoutComments(resource->text));
+}
+
+void ShaderSource::addText(const std::string& name, const std::string& text) { append(name, true, text); }
+
+void ShaderSource::addModule(const parameter::GlslModule& module, const std::string& prefix,
+                             const parameter::Node& node, const std::string& slot,
+                             bool specialise, Rename rename) {
+    if (module.embedded && !included_.insert(module.file).second) return;
+    std::string text = withoutComments(module.source);
+    std::set<std::string> names;
+    if (rename == Rename::All) {
+        names = globalNames(text);
+        names.erase("kernel_main");
+    } else {
+        for (const parameter::Parameter& p : module.parameters) names.insert(p.name);
+    }
+    text = withPrefix(text, names, prefix);
+    for (const parameter::Parameter& p : module.parameters) {
+        const std::string uniform = prefix + p.name;
+        if (specialise || p.invalidates == parameter::Invalidates::Program) {
+            const std::regex declaration(fmt::format(R"(\buniform\s+((?:highp\s+)?\w+)\s+{}\s*;)", uniform));
+            text = std::regex_replace(text, declaration,
+                                      fmt::format("const $1 {} = {};", uniform,
+                                                  glslLiteral(p, node.value(p.name))));
+        } else {
+            bindings_.push_back({uniform, p.name, slot});
+        }
+    }
+    append(module.file, module.embedded, text);
+}
+
+std::vector<ShaderSource::Output> ShaderSource::outputs() const {
+    static const std::regex kMain(R"(\bvoid\s+kernel_main\s*\(([^)]*)\))");
+    static const std::regex kOutput(R"(\bout\s+(?:highp\s+)?(\w+)\s+(\w+))");
+    std::smatch match;
+    std::vector<Output> outputs;
+    if (!std::regex_search(text_, match, kMain)) return outputs;
+    const std::string parameters = match[1];
+    for (std::sregex_iterator it(parameters.begin(), parameters.end(), kOutput), end; it != end; ++it) {
+        outputs.push_back({(*it)[1], (*it)[2]});
+    }
+    return outputs;
+}
+
+std::vector<ShaderSource::Place> ShaderSource::parseLog(const std::string& log) const {
+    // Mesa: "0:12(5): error: ...", ANGLE and glslang: "ERROR: 0:12: ...", NVIDIA: "0(12) : error C1008: ...".
+    static const std::regex kMesa(R"(^(\d+):(\d+)\(\d+\): (?:\w+ )?error: (.*)$)");
+    static const std::regex kAngle(R"(^ERROR: (\d+):(\d+): (.*)$)");
+    static const std::regex kNvidia(R"(^(\d+)\((\d+)\) : error (.*)$)");
+    std::vector<Place> places;
+    std::istringstream lines(log);
+    std::string line;
+    while (std::getline(lines, line)) {
+        std::smatch match;
+        for (const std::regex* pattern : {&kMesa, &kAngle, &kNvidia}) {
+            if (!std::regex_match(line, match, *pattern)) continue;
+            const auto file = static_cast<std::size_t>(std::stoul(match[1]));
+            if (file < files_.size()) places.push_back({file, std::stoi(match[2]), match[3]});
+            break;
+        }
+    }
+    return places;
+}
+
+std::string ShaderSource::mapLog(const std::string& log) const {
+    const std::vector<Place> places = parseLog(log);
+    std::string out;
+    for (const Place& place : places) {
+        out += fmt::format("{}{}:{}: {}", out.empty() ? "" : "\n", files_[place.file].name, place.line, place.message);
+    }
+    return out.empty() ? log : out;
+}
+
+bool ShaderSource::blamesUser(const std::string& log) const {
+    const std::vector<Place> places = parseLog(log);
+    return !places.empty() && !files_[places.front().file].embedded;
+}
+
+} // namespace apeiron::gpu

@@ -1,0 +1,61 @@
+#include "post/chain.hpp"
+
+#include <cmath>
+
+namespace apeiron::post {
+
+constexpr auto kFloat4 = gpu::PixelFormat::RGBA32F;
+
+Chain::Stop::Stop(const gpu::Context& context, glm::ivec2 size)
+    : color(context, kFloat4, size, "post"), targets(context, {&color}) {}
+
+Chain::Chain(const gpu::Context& context, gpu::KernelCache& cache, gpu::Stage stage, const scene::Scene& scene,
+             glm::ivec2 size)
+    : size_(size) {
+    std::size_t active = 0;
+    for (const parameter::Node& effect : scene.effects) {
+        if (!effect.flag("enabled")) {
+            effects_.push_back(nullptr);
+            continue;
+        }
+        gpu::ShaderSource source;
+        source.addModule(effect.module("type"), "fx_", effect, "effect", false);
+        effects_.push_back(cache.get(effect.module("type").name, source, stage, {kFloat4}));
+        if (++active <= 2) stops_.push_back(std::make_unique<Stop>(context, size));
+    }
+    gpu::ShaderSource source;
+    source.addFile("post/display.glsl");
+    source.addModule(scene.post.module("tonemapper"), "tonemapper_", scene.post, "post", false);
+    display_ = cache.get("display", source, stage, {kFloat4});
+    screen_ = stage == gpu::Stage::Fragment ? display_ : cache.get("display", source, gpu::Stage::Fragment, {kFloat4});
+}
+
+void Chain::run(const scene::Scene& scene, const render::Picture& picture, const gpu::Targets& targets,
+                const Display& display) {
+    const gpu::Texture* color = &picture.radiance;
+    std::size_t stop = 0;
+    for (std::size_t i = 0; i < effects_.size(); ++i) {
+        if (!effects_[i]) continue;
+        gpu::Kernel& kernel = *effects_[i];
+        kernel.setParameters("effect", scene.effects[i]);
+        kernel.set("effect_color", *color);
+        kernel.set("effect_geometry", picture.geometry);
+        kernel.set("effect_albedo", picture.albedo);
+        kernel.set("effect_size", size_);
+        kernel.run(stops_[stop]->targets);
+        color = &stops_[stop]->color;
+        stop = 1 - stop;
+    }
+    gpu::Kernel& kernel = targets.textures().empty() ? *screen_ : *display_;
+    kernel.setParameters("post", scene.post);
+    kernel.set("effect_color", *color);
+    kernel.set("display_exposure", static_cast<float>(std::exp2(scene.post.number("exposure"))));
+    kernel.set("display_dither", static_cast<float>(display.dither));
+    kernel.set("display_flip", display.flip);
+    kernel.set("display_height", size_.y);
+    kernel.set("display_background", display.background);
+    kernel.set("display_opaque", display.opaque);
+    kernel.run(targets);
+}
+
+} // namespace apeiron::post

@@ -1,0 +1,44 @@
+#pragma once
+
+#include "gpu/kernel_cache.hpp"
+#include "render/picture.hpp"
+#include "scene/scene.hpp"
+
+namespace apeiron::post {
+
+/// How the finished picture is quantised and composed.
+struct Display {
+    double dither = 0.0;  ///< one step of the output, e.g. 1/255; 0: none
+    bool flip = false;    ///< the target's first row is the bottom one (windows, canvases)
+    bool opaque = false;  ///< blend over `background` and write alpha 1
+    glm::vec3 background{0.0F}; ///< linear, 0..1
+};
+
+/// The post chain of a scene: its effects in order, HDR to HDR, then exposure, one tone mapper and sRGB. Needs its context current.
+class Chain {
+  public:
+    /// Compiles the kernels of the scene's effects and tone mapper.
+    /// @throws Error as gpu::Kernel.
+    Chain(const gpu::Context& context, gpu::KernelCache& cache, gpu::Stage stage, const scene::Scene& scene,
+          glm::ivec2 size);
+
+    /// Runs the effects and writes display values in [0, 1] into the first of the targets.
+    /// @param scene  with the same programs as at construction; its values are read now
+    void run(const scene::Scene& scene, const render::Picture& picture, const gpu::Targets& targets,
+             const Display& display);
+
+  private:
+    /// A picture between two effects.
+    struct Stop {
+        Stop(const gpu::Context& context, glm::ivec2 size);
+        gpu::Texture color;
+        gpu::Targets targets;
+    };
+    std::vector<std::shared_ptr<gpu::Kernel>> effects_; ///< null for a disabled one
+    std::shared_ptr<gpu::Kernel> display_;
+    std::shared_ptr<gpu::Kernel> screen_; ///< the same as fragments: what a window's framebuffer needs
+    std::vector<std::unique_ptr<Stop>> stops_;
+    glm::ivec2 size_;
+};
+
+} // namespace apeiron::post

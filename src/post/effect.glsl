@@ -1,0 +1,9 @@
+// What an effect sees: the picture so far and its geometry. It writes the picture after it.
+
+uniform sampler2D effect_color;    // rgb radiance, w coverage
+uniform sampler2D effect_geometry; // xyz normal, w depth
+uniform sampler2D effect_albedo;   // rgb albedo, w part of samples that hit
+uniform ivec2 effect_size;         // [px]
+
+// The picture at a pixel; outside, at the nearest one.
+vec4 effect_at(ivec2 pixel) { return texelFetch(effect_color, clamp(pixel, ivec2(0), effect_size - 1), 0); }

@@ -1,0 +1,119 @@
+#include "render/glsl/surface.glsl"
+
+// The `surface` interface for subjects that are distance estimates: they define
+//
+//     float distance_estimate(vec3 p)   a lower bound of the distance to the surface
+//     vec4 distance_bound()             a sphere (centre, radius) around everything
+//
+// and the parameters that the functions below read.
+
+uniform float detail;         //! 1 [0.05, 20] log unit px | Size of the smallest feature that is resolved, in pixels
+uniform float step_scale;     //! 1 [0.1, 1] step 0.05 | Part of the estimated distance that a step goes: lower it where a formula overshoots
+uniform int max_steps;        //! 400 [8, 4000] log | Most steps along a camera ray
+uniform int shadow_steps;     //! 120 [8, 1000] log | Most steps along a shadow ray
+uniform float occlusion_reach; //! 0.12 [0.005, 2] log | How far ambient occlusion looks, relative to the distance from the camera
+
+float distance_estimate(vec3 p);
+vec4 distance_bound();
+
+float surface_distance(vec3 position) { return distance_estimate(position); }
+
+// Cuts the ray to the part inside the bounding sphere; false when it misses.
+bool distance_clip(inout Ray ray) {
+    vec4 bound = distance_bound();
+    vec3 to = bound.xyz - ray.origin;
+    float along = dot(to, ray.direction);
+    // The distance from the axis by subtraction of vectors: stable when the sphere is far away.
+    vec3 aside = to - along * ray.direction;
+    float half_chord2 = bound.w * bound.w - dot(aside, aside);
+    if (half_chord2 <= 0.0) return false;
+    float half_chord = sqrt(half_chord2);
+    ray.t_min = max(ray.t_min, along - half_chord);
+    ray.t_max = min(ray.t_max, along + half_chord);
+    return ray.t_min < ray.t_max;
+}
+
+// Sphere tracing (Hart 1996) up to a threshold that grows with the distance: the pixel's footprint, which is also the clarity
+// function of Hart, Sandin & Kauffman (1989).
+bool surface_trace(Ray ray, out Hit hit) {
+    hit = Hit(ray.t_max, ray.origin, 0.0, 0.0);
+    if (!distance_clip(ray)) return false;
+    float t = ray.t_min;
+    float threshold = 0.0;
+    float d = 1e30;
+    int i = 0;
+    for (; i < max_steps; ++i) {
+        d = distance_estimate(ray.origin + t * ray.direction);
+        threshold = detail * (ray.width + ray.spread * t);
+        if (d < threshold || t > ray.t_max) break;
+        t += d * step_scale;
+    }
+    hit.effort = float(i) / float(max_steps);
+    // A ray that ran out of steps just above the surface has found it; one in the open has not.
+    if (t > ray.t_max || d > 20.0 * threshold) return false;
+    hit.t = t;
+    hit.position = ray.origin + t * ray.direction;
+    hit.footprint = max(threshold, 2e-7 * length(hit.position - distance_bound().xyz));
+    return true;
+}
+
+// Gradient by four taps at the corners of a tetrahedron (Quilez 2015).
+vec3 surface_normal(Hit hit, vec3 direction) {
+    float h = 0.5 * hit.footprint;
+    const vec2 k = vec2(1.0, -1.0);
+    vec3 n = vec3(0.0);
+    // A loop keeps the compiler from writing the formula out four times.
+    for (int i = 0; i < 4; ++i) {
+        vec3 corner = i == 0 ? k.xyy : (i == 1 ? k.yyx : (i == 2 ? k.yxy : k.xxx));
+        n += corner * distance_estimate(hit.position + h * corner);
+    }
+    float length2 = dot(n, n);
+    return length2 > 0.0 ? n * inversesqrt(length2) : -direction;
+}
+
+vec3 distance_leave(Hit hit, vec3 normal) { return hit.position + 1.5 * hit.footprint * normal; }
+
+// Soft shadows from one march (Quilez 2010, with Aaltonen's closest-approach estimate of 2018).
+float surface_visibility(Hit hit, vec3 normal, vec3 direction, float t_max, float spread) {
+    Ray ray = Ray(distance_leave(hit, normal), direction, 0.0, t_max, hit.footprint, 0.0);
+    if (!distance_clip(ray)) return 1.0;
+    float t = ray.t_min + hit.footprint;
+    float visible = 1.0;
+    float previous = 1e20;
+    float width = max(spread, 1e-4);
+    for (int i = 0; i < shadow_steps && t < ray.t_max; ++i) {
+        float d = distance_estimate(ray.origin + t * direction);
+        float y = d * d / (2.0 * previous);
+        float closest = sqrt(max(d * d - y * y, 0.0));
+        visible = min(visible, closest / (width * max(t - y, 1e-20)));
+        if (visible < 0.005 || d < 0.25 * hit.footprint) return 0.0;
+        previous = d;
+        t += max(d * step_scale, 0.25 * hit.footprint);
+    }
+    return visible * visible * (3.0 - 2.0 * visible);
+}
+
+bool surface_blocked(Hit hit, vec3 normal, vec3 direction, float t_max) {
+    Ray ray = Ray(distance_leave(hit, normal), direction, 0.0, t_max, hit.footprint, 0.0);
+    if (!distance_clip(ray)) return false;
+    float t = ray.t_min + hit.footprint;
+    for (int i = 0; i < shadow_steps && t < ray.t_max; ++i) {
+        float d = distance_estimate(ray.origin + t * direction);
+        if (d < 0.5 * hit.footprint) return true;
+        t += d * step_scale;
+    }
+    return false;
+}
+
+// Compares estimates along the normal with the distances gone (Evans 2006; Quilez 2008).
+float surface_openness(Hit hit, vec3 normal) {
+    float reach = max(occlusion_reach * (hit.t + 1e-20), 8.0 * hit.footprint);
+    float blocked = 0.0;
+    float weight = 0.5;
+    for (int i = 1; i <= 5; ++i) {
+        float h = reach * float(i * i) / 25.0;
+        blocked += weight * clamp(1.0 - distance_estimate(hit.position + h * normal) / h, 0.0, 1.0);
+        weight *= 0.62;
+    }
+    return clamp(1.0 - blocked / 1.195, 0.0, 1.0);
+}

@@ -1,0 +1,45 @@
+// The `surface` interface: what a renderer asks of a subject that has surfaces. Positions are relative to the camera, so
+// that nothing here depends on where in the world it is.
+
+struct Ray {
+    vec3 origin;
+    vec3 direction; // unit length
+    float t_min;
+    float t_max;
+    float width;    // footprint's diameter at the origin ...
+    float spread;   // ... and how much it grows per unit of length: a pixel's cone
+};
+
+struct Hit {
+    float t;        // along the ray
+    vec3 position;
+    float footprint; // diameter of the pixel there: the size of the smallest thing worth resolving
+    float effort;   // work spent to get there, 0..1
+};
+
+struct Material {
+    vec3 albedo;     // linear
+    float roughness; // 0..1, perceptual: GGX alpha is its square
+    float metalness; // 0..1
+    vec3 emission;   // radiance
+};
+
+// The first surface along the ray within [t_min, t_max].
+bool surface_trace(Ray ray, out Hit hit);
+
+// Unit normal, towards the side the ray came from.
+vec3 surface_normal(Hit hit, vec3 direction);
+
+Material surface_material(Hit hit, vec3 normal);
+
+// Part of a light that reaches `position`: 0..1 within a cone of the light's half-angle (tangent `spread`; 0: a hard edge).
+float surface_visibility(Hit hit, vec3 normal, vec3 direction, float t_max, float spread);
+
+// Whether anything is in the way: exact, for sampled light.
+bool surface_blocked(Hit hit, vec3 normal, vec3 direction, float t_max);
+
+// A lower bound of the distance from `position` to the nearest surface.
+float surface_distance(vec3 position);
+
+// How open the surroundings are, 0..1, from a few looks around.
+float surface_openness(Hit hit, vec3 normal);

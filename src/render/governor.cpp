@@ -1,0 +1,48 @@
+#include "render/governor.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace apeiron::render {
+
+std::int64_t Governor::next(double remaining, bool mustWork) const {
+    if (remaining <= 0.0) return mustWork ? 1 : 0;
+    std::int64_t pixels = limit_;
+    if (cost_ > 0.0) {
+        // Costs vary over a picture: plan for 1.5 times what was seen.
+        const double affordable = std::min(remaining, kMaxSubmission) / (1.5 * cost_);
+        pixels = std::min(pixels, static_cast<std::int64_t>(std::min(affordable, 1e15)));
+    }
+    return mustWork ? std::max<std::int64_t>(pixels, 1) : pixels;
+}
+
+void Governor::report(std::int64_t pixels, double seconds) {
+    if (pixels <= 0) return;
+    const double cost = seconds / static_cast<double>(pixels);
+    // Up at once, down slowly: the next tile may be the expensive one.
+    cost_ = cost_ == 0.0 ? cost : std::max(cost, 0.7 * cost_ + 0.3 * cost);
+    if (seconds > kMaxSubmission) {
+        limit_ = std::max<std::int64_t>(pixels / 2, 1);
+    } else if (pixels >= limit_) {
+        limit_ = std::min<std::int64_t>(limit_ * 4, std::int64_t{1} << 40);
+    }
+}
+
+void Governor::restart() { *this = Governor(); }
+
+gpu::Region TileCursor::take(std::int64_t texels) {
+    assert(!done() && texels >= 1);
+    const int y = static_cast<int>(next_ / size_.x);
+    const int x = static_cast<int>(next_ % size_.x);
+    gpu::Region region{{x, y}, {0, 1}};
+    if (x == 0 && texels >= size_.x) {
+        region.size = {size_.x, static_cast<int>(std::min<std::int64_t>(texels / size_.x, size_.y - y))};
+    } else {
+        region.size.x = static_cast<int>(std::min<std::int64_t>(texels, size_.x - x));
+    }
+    next_ += static_cast<std::int64_t>(region.size.x) * region.size.y;
+    return region;
+}
+
+} // namespace apeiron::render

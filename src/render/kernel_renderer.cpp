@@ -1,0 +1,184 @@
+#include "core/error.hpp"
+#include "render/renderer.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <functional>
+#include <limits>
+#include <sstream>
+
+namespace apeiron::render {
+namespace {
+
+constexpr auto kFloat4 = gpu::PixelFormat::RGBA32F;
+
+/// Estimates are laid out for any interleave factor up to this one.
+constexpr int kMaxInterleave = 8;
+
+/// A set of textures written together.
+template <std::size_t Count> struct Buffers {
+    Buffers(const gpu::Context& context, glm::ivec2 size, const std::array<const char*, Count>& labels) {
+        std::vector<const gpu::Texture*> pointers;
+        for (std::size_t i = 0; i < Count; ++i) {
+            textures[i] = gpu::Texture(context, kFloat4, size, labels[i]);
+            pointers.push_back(&textures[i]);
+        }
+        targets = gpu::Targets(context, pointers);
+    }
+    Buffers(const Buffers&) = delete;
+    Buffers& operator=(const Buffers&) = delete;
+
+    std::array<gpu::Texture, Count> textures;
+    gpu::Targets targets;
+};
+
+constexpr std::array kEstimate{"estimate_radiance", "estimate_geometry", "estimate_albedo"};
+constexpr std::array kAccumulator{"accumulator_mean", "accumulator_spread", "accumulator_normal", "accumulator_albedo"};
+
+class KernelRenderer : public Renderer {
+  public:
+    KernelRenderer(const gpu::Context& context, gpu::KernelCache& cache, const BuildOptions& options,
+                   const scene::Scene& scene, const Subject& subject, glm::ivec2 size)
+        : size_(size), estimate_(context, (size + kMaxInterleave - 1) / kMaxInterleave * kMaxInterleave, kEstimate),
+          front_(std::make_unique<Buffers<4>>(context, size, kAccumulator)),
+          back_(std::make_unique<Buffers<4>>(context, size, kAccumulator)),
+          harmonics_(context, kFloat4, {9, 1}, "environment_sh"), harmonicsTargets_(context, {&harmonics_}),
+          probeResult_(context, kFloat4, {1, 1}, "probe"), probeTargets_(context, {&probeResult_}) {
+        const parameter::GlslModule& module = scene.renderer.module("type");
+        requireInterfaces(module, scene, subject);
+
+        gpu::ShaderSource generate;
+        generate.addFile("render/glsl/environment.glsl");
+        addEnvironment(generate, scene, options);
+        subject.addSource(generate, scene.subject, options);
+        generate.addModule(module, "renderer_", scene.renderer, "renderer", options.specialise);
+        generate_ = cache.get(module.name, generate, options.stage, {kFloat4, kFloat4, kFloat4});
+
+        gpu::ShaderSource harmonics;
+        harmonics.addFile("render/glsl/environment.glsl");
+        addEnvironment(harmonics, scene, options);
+        harmonics.addFile("render/glsl/environment_sh.glsl");
+        harmonicsKernel_ = cache.get("environment_sh", harmonics, options.stage, {kFloat4});
+
+        const auto tag = module.tags.find("integrate");
+        const std::string integrator = tag != module.tags.end() ? tag->second : "mean";
+        gpu::ShaderSource integrate;
+        integrate.addFile("render/glsl/integrate_" + integrator + ".glsl");
+        integrate_ = cache.get("integrate " + integrator, integrate, options.stage, {kFloat4, kFloat4, kFloat4, kFloat4});
+        gpu::ShaderSource present;
+        present.addFile("render/glsl/present_" + integrator + ".glsl");
+        present_ = cache.get("present " + integrator, present, options.stage, {kFloat4, kFloat4, kFloat4});
+
+        if (subject.provides().contains("surface")) {
+            gpu::ShaderSource probe;
+            subject.addSource(probe, scene.subject, options);
+            probe.addFile("render/glsl/probe.glsl");
+            // Compiled only when asked for: many sessions never do.
+            makeProbe_ = [&cache, probe, stage = options.stage] { return cache.get("probe", probe, stage, {kFloat4}); };
+        }
+    }
+
+    void setScene(const scene::Scene& scene, const View& view, const Subject& subject) override {
+        for (gpu::Kernel* kernel : {harmonicsKernel_.get(), generate_.get()}) {
+            view.upload(*kernel);
+            kernel->setParameters("environment", scene.environment);
+        }
+        harmonicsKernel_->run(harmonicsTargets_);
+        generate_->setParameters("renderer", scene.renderer);
+        generate_->set("environment_sh", harmonics_);
+        subject.bind(*generate_, scene);
+    }
+
+    void reset() override { empty_ = true; }
+
+    void generate(std::uint32_t sample, const Interleave& interleave, glm::ivec2 offset,
+                  const gpu::Region& region) override {
+        const glm::ivec2 origin = offset * interleave.block(size_);
+        generate_->set("random_sample", sample);
+        generate_->run(estimate_.targets, {origin + region.origin, region.size}, size_,
+                       {origin, interleave.factor(), offset});
+    }
+
+    void integrate(const Interleave& interleave) override {
+        bindBuffers(*integrate_, interleave);
+        integrate_->set("accumulator_empty", empty_);
+        integrate_->run(back_->targets);
+        std::swap(front_, back_);
+        empty_ = false;
+    }
+
+    void present(const Picture& picture, const Interleave& interleave, int complete) override {
+        bindBuffers(*present_, interleave);
+        present_->set("estimate_done", complete);
+        present_->set("estimate_rank[0]", std::span<const int>(interleave.ranks()));
+        present_->run(picture.targets);
+    }
+
+    Accumulation accumulation() const override {
+        const auto& t = front_->textures;
+        return {t[0].download(), t[1].download(), t[2].download(), t[3].download()};
+    }
+
+    double distanceToSurface(const scene::Scene& scene, const Subject& subject) override {
+        if (!makeProbe_) return std::numeric_limits<double>::infinity();
+        if (!probe_) probe_ = makeProbe_();
+        subject.bind(*probe_, scene);
+        probe_->run(probeTargets_);
+        return static_cast<double>(probeResult_.texel({0, 0}).x);
+    }
+
+  private:
+    static void addEnvironment(gpu::ShaderSource& source, const scene::Scene& scene, const BuildOptions& options) {
+        source.addModule(scene.environment.module("type"), "environment_", scene.environment, "environment",
+                         options.specialise);
+    }
+
+    static void requireInterfaces(const parameter::GlslModule& module, const scene::Scene& scene,
+                                  const Subject& subject) {
+        const auto tag = module.tags.find("needs");
+        if (tag == module.tags.end()) return;
+        const std::set<std::string> given = subject.provides();
+        std::istringstream needs(tag->second);
+        std::string name;
+        while (needs >> name) {
+            if (given.contains(name)) continue;
+            throw Error(ErrorKind::BadInput,
+                        fmt::format("renderer '{}' needs a {}, which a {} does not have", module.name, name,
+                                    scene.subject.type().name),
+                        "renderer.type", fmt::format("a {} has: {}", scene.subject.type().name, fmt::join(given, ", ")));
+        }
+    }
+
+    void bindBuffers(gpu::Kernel& kernel, const Interleave& interleave) {
+        for (std::size_t i = 0; i < kEstimate.size(); ++i) kernel.set(kEstimate[i], estimate_.textures[i]);
+        for (std::size_t i = 0; i < kAccumulator.size(); ++i) kernel.set(kAccumulator[i], front_->textures[i]);
+        kernel.set("estimate_stride", interleave.factor());
+        kernel.set("estimate_block", interleave.block(size_));
+    }
+
+    glm::ivec2 size_;
+    Buffers<3> estimate_;
+    std::unique_ptr<Buffers<4>> front_; ///< the current accumulators
+    std::unique_ptr<Buffers<4>> back_;
+    bool empty_ = true;
+    gpu::Texture harmonics_;
+    gpu::Targets harmonicsTargets_;
+    gpu::Texture probeResult_;
+    gpu::Targets probeTargets_;
+    std::shared_ptr<gpu::Kernel> generate_;
+    std::shared_ptr<gpu::Kernel> integrate_;
+    std::shared_ptr<gpu::Kernel> present_;
+    std::shared_ptr<gpu::Kernel> harmonicsKernel_;
+    std::shared_ptr<gpu::Kernel> probe_;
+    std::function<std::shared_ptr<gpu::Kernel>()> makeProbe_;
+};
+
+} // namespace
+
+std::unique_ptr<Renderer> makeRenderer(const gpu::Context& context, gpu::KernelCache& cache, const BuildOptions& options,
+                                       const scene::Scene& scene, const Subject& subject, glm::ivec2 size) {
+    return std::make_unique<KernelRenderer>(context, cache, options, scene, subject, size);
+}
+
+} // namespace apeiron::render

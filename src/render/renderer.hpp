@@ -1,0 +1,52 @@
+#pragma once
+
+#include "gpu/kernel_cache.hpp"
+#include "render/accumulation.hpp"
+#include "render/interleave.hpp"
+#include "render/picture.hpp"
+#include "render/subject.hpp"
+#include "render/view.hpp"
+
+namespace apeiron::render {
+
+/// How a picture comes about, in four verbs (after Lesar, Bohak & Marolt 2018): reset | generate -> integrate -> present.
+/// The progressive loop drives them; each renderer owns the meaning of its buffers. Needs its context current.
+class Renderer {
+  public:
+    virtual ~Renderer() = default;
+
+    /// The scene's values have changed (camera, lights, parameters), but not its programs.
+    virtual void setScene(const scene::Scene& scene, const View& view, const Subject& subject) = 0;
+
+    /// Forgets all samples.
+    virtual void reset() = 0;
+
+    /// Computes estimate number `sample` for a region of a sub-image. Estimates are laid out as one block per sub-image, so that
+    /// each is compact.
+    /// @param offset   the sub-image: its pixels are offset, offset + (factor, 0), ...
+    /// @param region   of the block, from (0, 0)
+    virtual void generate(std::uint32_t sample, const Interleave& interleave, glm::ivec2 offset,
+                          const gpu::Region& region) = 0;
+
+    /// Folds the complete estimate into the accumulators.
+    virtual void integrate(const Interleave& interleave) = 0;
+
+    /// Turns accumulators into a picture.
+    /// @param complete  sub-images that are there of the first estimate, or -1 to show the accumulators
+    virtual void present(const Picture& picture, const Interleave& interleave, int complete) = 0;
+
+    /// The accumulators, for saving and merging.
+    virtual Accumulation accumulation() const = 0;
+
+    /// Distance from the camera to the nearest surface [world units]; infinity where the subject cannot tell.
+    virtual double distanceToSurface(const scene::Scene& scene, const Subject& subject) = 0;
+};
+
+/// A renderer whose verbs are kernels: `generate` from a module in a renderers/ folder, the others by its `integrate` tag.
+std::unique_ptr<Renderer> makeRenderer(const gpu::Context& context, gpu::KernelCache& cache, const BuildOptions& options,
+                                       const scene::Scene& scene, const Subject& subject, glm::ivec2 size);
+
+/// Bytes of GPU memory that makeRenderer() and a post chain take for each pixel.
+constexpr std::int64_t kBytesPerPixel = 16LL * (3 + 2 * 4 + 3 + 2 + 1);
+
+} // namespace apeiron::render

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "gpu/kernel.hpp"
+#include "scene/scene.hpp"
+
+#include <memory>
+#include <set>
+
+namespace apeiron::render {
+
+/// How kernels are put together.
+struct BuildOptions {
+    gpu::Stage stage = gpu::Stage::Fragment;
+    /// Parameters become constants: faster kernels, but every edit compiles anew. Off while someone turns knobs.
+    bool specialise = true;
+};
+
+/// What a scene shows: it gives GLSL for one or more interfaces (`surface`, later `medium`, `field`, `raster`) and the
+/// data behind it. Needs its context to be current.
+class Subject {
+  public:
+    virtual ~Subject() = default;
+
+    /// The interfaces that it implements.
+    virtual std::set<std::string> provides() const = 0;
+
+    /// Adds GLSL that implements an interface. @throws Error (BadInput) for a user's file that lacks what is needed.
+    virtual void addSource(gpu::ShaderSource& source, const parameter::Node& node, const BuildOptions& options) const = 0;
+
+    /// Sets the uniforms and textures behind that source. Positions in the shader are relative to the camera.
+    virtual void bind(gpu::Kernel& kernel, const scene::Scene& scene) const = 0;
+
+    /// Background work (streaming, rebuilding), at most `budget` seconds. True when the picture is stale because of it.
+    virtual bool update(const scene::Scene& /*scene*/, double /*budget*/) { return false; }
+};
+
+/// A kind of subject: what the catalogue learns of it, and how to make one.
+struct SubjectType {
+    parameter::NodeType node;
+    std::unique_ptr<Subject> (*create)();
+};
+
+} // namespace apeiron::render

@@ -1,0 +1,225 @@
+#include "core/error.hpp"
+#include "core/suggest.hpp"
+#include "scene/node_reading.hpp"
+#include "scene/scene.hpp"
+
+#include <algorithm>
+#include <variant>
+
+// Scene::set(): one value of the document by its path.
+namespace apeiron::scene {
+namespace {
+
+using parameter::Invalidates;
+using parameter::JsonSource;
+using parameter::Node;
+using parameter::NodeType;
+
+using Keys = std::span<const std::string>;
+/// Command-line text or JSON.
+using Input = std::variant<std::string_view, const Json*>;
+
+[[noreturn]] void fail(const std::string& what, const std::string& hint = {}) {
+    throw Error(ErrorKind::BadInput, what, {}, hint);
+}
+
+/// `lights[0].color` and `lights.0.color` as {"lights", "0", "color"}.
+std::vector<std::string> splitPath(std::string_view path) {
+    std::string dotted;
+    for (std::size_t i = 0; i < path.size(); ++i) {
+        if (path[i] == '[') {
+            if (!dotted.empty()) dotted += '.';
+        } else if (path[i] != ']') {
+            dotted += path[i];
+        } else if (i + 1 < path.size() && path[i + 1] != '.' && path[i + 1] != '[') {
+            fail("expected '.' or '[' after ']'");
+        }
+    }
+    std::vector<std::string> keys(1);
+    for (const char c : dotted) {
+        if (c == '.')
+            keys.emplace_back();
+        else
+            keys.back() += c;
+    }
+    if (std::find(keys.begin(), keys.end(), "") != keys.end()) fail("expected a path such as camera.fov");
+    return keys;
+}
+
+/// What changes from one node to another make stale.
+Invalidates difference(const Node& a, const Node& b) {
+    if (a.type().name != b.type().name) return Invalidates::Program;
+    Invalidates result = Invalidates::Nothing;
+    for (const auto& [one, other] : {std::pair(&a, &b), std::pair(&b, &a)})
+        for (const parameter::Parameter& parameter : one->schema()) {
+            const bool same = other->schema().find(parameter.name) != nullptr &&
+                              one->value(parameter.name) == other->value(parameter.name);
+            if (!same) result = strongest(result, parameter.invalidates);
+        }
+    return result;
+}
+
+/// One of the scene's lists of nodes.
+struct List {
+    std::vector<Node>& nodes;
+    std::string role;
+    std::size_t limit;
+    Invalidates structure; ///< what other nodes make stale, and the most that any edit of the list does: lights are
+                           ///< arrays of uniforms, and the post chain's kernels never touch samples
+};
+
+Invalidates difference(const std::vector<Node>& a, const std::vector<Node>& b, Invalidates structure) {
+    Invalidates result = a.size() == b.size() ? Invalidates::Nothing : structure;
+    for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+        result = strongest(result, difference(a[i], b[i]));
+    return std::min(result, structure);
+}
+
+/// Performs one edit on a scene, which is left as it was by an edit that throws.
+class Edit {
+  public:
+    Edit(Scene& scene, const Input& input, const std::filesystem::path& base)
+        : scene_(scene),
+          input_(input), context_{scene.catalogue(), [](const std::string& pointer) { return pointer; }, base} {}
+
+    Invalidates perform(Keys keys) {
+        const std::string& key = keys.front();
+        const Keys rest = keys.subspan(1);
+        if (key == "title") return setTitle(rest);
+        if (key == "lights") return setList({scene_.lights, "light", Scene::kMaxLights, Invalidates::Samples}, rest);
+        if (key == "post" && rest.empty()) return replacePost();
+        if (key == "post" && rest.front() == "effects")
+            return setList({scene_.effects, "effect", Scene::kMaxEffects, Invalidates::Present}, rest.subspan(1));
+        for (const auto& [name, node] :
+             {std::pair("camera", &scene_.camera), std::pair("subject", &scene_.subject),
+              std::pair("renderer", &scene_.renderer), std::pair("environment", &scene_.environment),
+              std::pair("post", &scene_.post), std::pair("output", &scene_.output)})
+            if (key == name) return setNode(*node, rest);
+        static const std::vector<std::string> known{"title",  "camera",      "subject", "renderer",
+                                                    "lights", "environment", "post",    "output"};
+        fail("unknown part '" + key + "'", suggestion(key, known));
+    }
+
+  private:
+    Json json() const {
+        if (const auto* given = std::get_if<const Json*>(&input_)) return **given;
+        return JsonSource::parse("value", std::string(std::get<std::string_view>(input_))).root();
+    }
+
+    std::string text() const {
+        parameter::Parameter any;
+        any.type = parameter::Type::Text;
+        if (const auto* given = std::get_if<const Json*>(&input_))
+            return std::get<std::string>(parameter::valueFromJson(any, **given));
+        return std::get<std::string>(parameter::valueFromText(any, std::get<std::string_view>(input_)));
+    }
+
+    Invalidates setTitle(Keys rest) {
+        if (!rest.empty()) fail("the title has no parts");
+        scene_.title = text();
+        return Invalidates::Nothing;
+    }
+
+    /// The node itself, its type, or one of its parameters.
+    Invalidates setNode(Node& node, Keys rest) {
+        if (rest.empty()) return replace(node, readNode(context_, node.type().role, json(), ""));
+        if (rest.size() > 1) fail("'" + rest[0] + "' has no parts");
+        if (rest[0] == "type" && !node.type().name.empty()) {
+            const std::shared_ptr<const NodeType> type = typeNamed(node.type().role);
+            if (type->name == node.type().name) return Invalidates::Nothing;
+            node = Node(type);
+            return Invalidates::Program;
+        }
+        if (const auto* given = std::get_if<const Json*>(&input_))
+            return node.setFromJson(rest[0], **given, context_.base);
+        return node.setFromText(rest[0], std::get<std::string_view>(input_), context_.base);
+    }
+
+    std::shared_ptr<const NodeType> typeNamed(const std::string& role) const {
+        const std::string name = text();
+        if (name.empty()) fail("expected the name of a type");
+        return scene_.catalogue().type(role, name);
+    }
+
+    static Invalidates replace(Node& node, Node changed) {
+        const Invalidates result = difference(node, changed);
+        node = std::move(changed);
+        return result;
+    }
+
+    Invalidates replacePost() {
+        const std::vector<std::string> otherKeys{"effects"};
+        const Json value = json();
+        Node post = readNode(context_, "post", value, "", otherKeys);
+        std::vector<Node> effects;
+        if (value.contains("effects"))
+            effects = readNodes(context_, "effect", value["effects"], "/effects", Scene::kMaxEffects);
+        const Invalidates chain = difference(scene_.effects, effects, Invalidates::Present);
+        scene_.effects = std::move(effects);
+        return strongest(chain, replace(scene_.post, std::move(post)));
+    }
+
+    Invalidates setList(const List& list, Keys rest) {
+        if (rest.empty()) {
+            std::vector<Node> nodes = readNodes(context_, list.role, json(), "", list.limit);
+            const Invalidates result = difference(list.nodes, nodes, list.structure);
+            list.nodes = std::move(nodes);
+            return result;
+        }
+        const std::size_t index = indexIn(list, rest[0]);
+        if (index == list.nodes.size()) return append(list, rest.subspan(1));
+        if (rest.size() == 1 && json().is_null()) {
+            list.nodes.erase(list.nodes.begin() + static_cast<std::ptrdiff_t>(index));
+            return list.structure;
+        }
+        return std::min(setNode(list.nodes[index], rest.subspan(1)), list.structure);
+    }
+
+    static std::size_t indexIn(const List& list, const std::string& key) {
+        const bool digits = std::all_of(key.begin(), key.end(), [](char c) { return c >= '0' && c <= '9'; });
+        if (!digits) fail("expected a number of a " + list.role + ", got " + inQuotes(key));
+        const std::size_t index = key.size() > 6 ? std::size_t{1'000'000} : std::stoul(key);
+        if (index > list.nodes.size())
+            fail("there is no " + list.role + " " + key, std::to_string(list.nodes.size()) + " there, counted from 0");
+        return index;
+    }
+
+    Invalidates append(const List& list, Keys rest) {
+        if (list.nodes.size() >= list.limit) throw tooMany(list.role, list.limit);
+        if (rest.empty()) {
+            list.nodes.push_back(readNode(context_, list.role, json(), ""));
+            return list.structure;
+        }
+        if (rest.size() > 1 || rest[0] != "type")
+            fail("there is no " + list.role + " " + std::to_string(list.nodes.size()), "set its .type first");
+        Node node(scene_.catalogue().type(list.role, ""));
+        setNode(node, rest);
+        list.nodes.push_back(std::move(node));
+        return list.structure;
+    }
+
+    Scene& scene_;
+    Input input_;
+    ReadContext context_;
+};
+
+Invalidates setPath(Scene& scene, std::string_view path, const Input& input, const std::filesystem::path& base) {
+    try {
+        const std::vector<std::string> keys = splitPath(path);
+        return Edit(scene, input, base).perform(keys);
+    } catch (const Error& error) {
+        throw error.at(std::string(path));
+    }
+}
+
+} // namespace
+
+Invalidates Scene::set(std::string_view path, std::string_view text, const std::filesystem::path& base) {
+    return setPath(*this, path, text, base);
+}
+
+Invalidates Scene::set(std::string_view path, const Json& value, const std::filesystem::path& base) {
+    return setPath(*this, path, &value, base);
+}
+
+} // namespace apeiron::scene

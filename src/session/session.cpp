@@ -1,0 +1,306 @@
+#include "session/session.hpp"
+
+#include "core/error.hpp"
+#include "session/subjects.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+#ifndef __EMSCRIPTEN__
+#include <unistd.h>
+#endif
+
+namespace apeiron::session {
+namespace {
+
+constexpr auto kFloat4 = gpu::PixelFormat::RGBA32F;
+
+glm::ivec2 sizeOf(const scene::Scene& scene) {
+    return {static_cast<int>(scene.output.integer("width")), static_cast<int>(scene.output.integer("height"))};
+}
+
+gpu::Stage chooseStage(const gpu::Context& context, const Options& options) {
+    if (options.stage) return *options.stage;
+    // Hardware shades fragments on a part of its processors only, software is faster without a workgroup's bookkeeping
+    // (docs/performance.md).
+    const gpu::Capabilities& c = context.capabilities();
+    return c.compute && !c.software ? gpu::Stage::Compute : gpu::Stage::Fragment;
+}
+
+/// Refuses sizes that the device or this machine's memory cannot hold, before anything is allocated.
+void requireSize(const gpu::Context& context, glm::ivec2 size) {
+    const gpu::Capabilities& c = context.capabilities();
+    // Estimates are padded to whole 8 x 8 blocks.
+    const int most = c.maxTextureSize / 8 * 8;
+    if (size.x > most || size.y > most) {
+        throw Error(ErrorKind::BadInput, fmt::format("{}x{} is larger than the device's textures", size.x, size.y),
+                    "output.width, output.height", fmt::format("{} takes up to {}x{}", c.renderer, most, most));
+    }
+#ifndef __EMSCRIPTEN__
+    if (c.software) {
+        const double needed = static_cast<double>(size.x) * size.y * static_cast<double>(render::kBytesPerPixel);
+        const double there = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+        if (needed > 0.8 * there) {
+            throw Error(ErrorKind::BadInput,
+                        fmt::format("{}x{} needs {:.1f} GiB of memory, this machine has {:.1f}", size.x, size.y,
+                                    needed / (1 << 30), there / (1 << 30)),
+                        "output.width, output.height", "choose a smaller size");
+        }
+    }
+#endif
+}
+
+} // namespace
+
+Session::Session(const gpu::Context& context, Options options)
+    : Session(context, scene::Scene(catalogue()), std::move(options)) {}
+
+Session::Session(const gpu::Context& context, scene::Scene scene, Options options)
+    : context_(context), options_(std::move(options)), build_{chooseStage(context, options_), options_.specialise},
+      scene_(std::move(scene)), cache_(context), interleave_(options_.interleave), cursor_({1, 1}) {
+    apply(parameter::Invalidates::Program, true);
+}
+
+Session::~Session() = default;
+
+glm::ivec2 Session::size() const { return sizeOf(scene_); }
+
+void Session::apply(parameter::Invalidates what, bool sizeChanged) {
+    using parameter::Invalidates;
+    if (what == Invalidates::Nothing && !sizeChanged) return;
+    const glm::ivec2 size = sizeOf(scene_);
+    if (sizeChanged) requireSize(context_, size);
+    // Everything that can fail is made aside first, so that a failure changes nothing.
+    std::unique_ptr<render::Subject> subject;
+    std::unique_ptr<render::Renderer> renderer;
+    std::unique_ptr<post::Chain> chain;
+    {
+        const Phases::Scope scope(statistics_.phases, "compile");
+        const std::string& name = scene_.subject.type().name;
+        if (name != subjectName_) {
+            for (const render::SubjectType& type : subjectTypes()) {
+                if (type.node.name == name) subject = type.create();
+            }
+        }
+        const render::Subject& current = subject ? *subject : *subject_;
+        if (what == Invalidates::Program || sizeChanged || subject) {
+            renderer = render::makeRenderer(context_, cache_, build_, scene_, current, size);
+        }
+        chain = std::make_unique<post::Chain>(context_, cache_, build_.stage, scene_, size);
+        if (sizeChanged) {
+            auto picture = std::make_unique<render::Picture>(context_, size);
+            auto texture = std::make_unique<gpu::Texture>(context_, kFloat4, size, "display");
+            displayTargets_ = gpu::Targets(context_, {texture.get()});
+            displayTexture_ = std::move(texture);
+            picture_ = std::move(picture);
+        }
+    }
+    if (subject) {
+        subject_ = std::move(subject);
+        subjectName_ = scene_.subject.type().name;
+    }
+    if (renderer) renderer_ = std::move(renderer);
+    chain_ = std::move(chain);
+    stale_ = true;
+    if (what == Invalidates::Program || sizeChanged) governor_.restart();
+    if (what == Invalidates::Program || what == Invalidates::Samples || sizeChanged) {
+        renderer_->setScene(scene_, render::View(scene_, size), *subject_);
+        reset();
+    }
+}
+
+void Session::setScene(scene::Scene scene) {
+    if (scene == scene_) return;
+    const bool sizeChanged = sizeOf(scene) != sizeOf(scene_);
+    std::swap(scene, scene_);
+    try {
+        apply(parameter::Invalidates::Program, sizeChanged);
+    } catch (...) {
+        std::swap(scene, scene_);
+        throw;
+    }
+}
+
+parameter::Invalidates Session::set(std::string_view path, std::string_view text, const std::filesystem::path& base) {
+    scene::Scene edited = scene_;
+    parameter::Invalidates what = edited.set(path, text, base);
+    if (what == parameter::Invalidates::Samples && build_.specialise) what = parameter::Invalidates::Program;
+    const bool sizeChanged = sizeOf(edited) != sizeOf(scene_);
+    std::swap(edited, scene_);
+    try {
+        apply(what, sizeChanged);
+    } catch (...) {
+        std::swap(edited, scene_);
+        throw;
+    }
+    return what;
+}
+
+parameter::Invalidates Session::set(std::string_view path, const Json& value, const std::filesystem::path& base) {
+    const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+    return set(path, std::string_view(text), base);
+}
+
+void Session::setCamera(const scene::Camera& camera) {
+    if (camera.node() == scene_.camera) return;
+    // Projection and filter are uniforms too: no camera edit needs another program.
+    scene_.camera = camera.node();
+    renderer_->setScene(scene_, render::View(scene_, size()), *subject_);
+    reset();
+}
+
+void Session::reset() {
+    renderer_->reset();
+    interleave_ = render::Interleave(options_.interleave);
+    cursor_ = render::TileCursor(interleave_.block(size()));
+    block_ = 0;
+    pending_ = false;
+    samples_ = 0;
+    seconds_ = 0.0;
+    noiseCheck_ = 8;
+    noiseReached_ = false;
+    stale_ = true;
+}
+
+bool Session::limitReached() {
+    const parameter::Node& output = scene_.output;
+    if (samples_ >= output.integer("samples") || noiseReached_) return true;
+    const double time = output.number("time");
+    if (time > 0.0 && seconds_ >= time && samples_ > 0) return true;
+    const double noiseTarget = output.number("noise");
+    if (noiseTarget > 0.0 && samples_ >= noiseCheck_) {
+        noiseReached_ = noise() <= noiseTarget;
+        // Reading back takes time: look again when the noise can have fallen by a tenth.
+        noiseCheck_ = samples_ + std::max<std::int64_t>(samples_ / 5, 1);
+    }
+    return noiseReached_;
+}
+
+bool Session::advance(double remaining, bool mustWork) {
+    if (pending_) {
+        if (!mustWork && remaining < 1.5 * integrateSeconds_) return false;
+        const Stopwatch watch;
+        const Phases::Scope scope(statistics_.phases, "integrate");
+        renderer_->integrate(interleave_);
+        context_.finish();
+        integrateSeconds_ = watch.seconds();
+        pending_ = false;
+        ++samples_;
+        // Sub-images serve the first picture; whole pictures are faster afterwards.
+        if (samples_ == 1) interleave_ = render::Interleave(1);
+        block_ = 0;
+        cursor_ = render::TileCursor(interleave_.block(size()));
+        stale_ = true;
+        return true;
+    }
+    std::int64_t pixels = governor_.next(remaining, mustWork);
+    if (options_.tilePixels > 0) pixels = std::min(pixels, options_.tilePixels);
+    if (pixels <= 0) return false;
+    const gpu::Region region = cursor_.take(pixels);
+    const Stopwatch watch;
+    {
+        Phases::Scope scope(statistics_.phases, "generate");
+        const auto sample = static_cast<std::uint32_t>(samples_ + scene_.output.integer("first_sample"));
+        renderer_->generate(sample, interleave_, interleave_.offset(block_), region);
+        context_.finish();
+    }
+    const double seconds = watch.seconds();
+    const std::int64_t done = static_cast<std::int64_t>(region.size.x) * region.size.y;
+    governor_.report(done, seconds);
+    statistics_.pixels += done;
+    ++statistics_.submissions;
+    statistics_.longestSubmission = std::max(statistics_.longestSubmission, seconds);
+    if (!cursor_.done()) return true;
+    ++block_;
+    if (samples_ == 0) stale_ = true;
+    if (block_ == interleave_.count()) {
+        pending_ = true;
+    } else {
+        cursor_ = render::TileCursor(interleave_.block(size()));
+    }
+    return true;
+}
+
+StepResult Session::step(double budget) {
+    const Stopwatch watch;
+    StepResult result;
+    bool mustWork = true;
+    if (subject_->update(scene_, 0.25 * budget)) {
+        renderer_->setScene(scene_, render::View(scene_, size()), *subject_);
+        reset();
+    }
+    while (!limitReached()) {
+        const std::int64_t before = samples_;
+        const int blockBefore = block_;
+        if (!advance(budget - watch.seconds(), mustWork)) break;
+        mustWork = false;
+        result.changed = result.changed || samples_ != before || (samples_ == 0 && block_ != blockBefore);
+        if (budget - watch.seconds() <= 0.0) break;
+    }
+    seconds_ += watch.seconds();
+    result.samples = samples_;
+    result.finished = limitReached();
+    return result;
+}
+
+double Session::progress() const {
+    const double blocks = interleave_.count();
+    const glm::ivec2 size = interleave_.block(this->size());
+    const double inBlock = 1.0 - static_cast<double>(cursor_.left()) / (static_cast<double>(size.x) * size.y);
+    return std::min((block_ + (block_ < interleave_.count() ? inBlock : 0.0)) / blocks, 1.0);
+}
+
+double Session::noise() const { return accumulation().noise(); }
+
+void Session::present() {
+    if (!stale_) return;
+    const Phases::Scope scope(statistics_.phases, "present");
+    renderer_->present(*picture_, interleave_, samples_ == 0 ? block_ : -1);
+    stale_ = false;
+}
+
+Image<float> Session::picture(double dither) {
+    present();
+    {
+        const Phases::Scope scope(statistics_.phases, "post");
+        post::Display display;
+        display.dither = dither;
+        chain_->run(scene_, *picture_, displayTargets_, display);
+        context_.finish();
+    }
+    const Phases::Scope scope(statistics_.phases, "read");
+    return displayTexture_->download();
+}
+
+void Session::show() {
+    present();
+    const Phases::Scope scope(statistics_.phases, "post");
+    post::Display display;
+    display.dither = 1.0 / 255.0;
+    display.flip = true;
+    display.opaque = true;
+    chain_->run(scene_, *picture_, gpu::Targets::screen(size()), display);
+    context_.check("showing the picture");
+}
+
+Session::Layers Session::layers() {
+    present();
+    const Phases::Scope scope(statistics_.phases, "read");
+    return {picture_->radiance.download(), picture_->geometry.download(), picture_->albedo.download()};
+}
+
+render::Accumulation Session::accumulation() const { return renderer_->accumulation(); }
+
+std::optional<double> Session::distanceAt(glm::ivec2 pixel) {
+    const glm::ivec2 last = size() - 1;
+    present();
+    const glm::ivec2 inside = glm::clamp(pixel, glm::ivec2(0), last);
+    if (picture_->albedo.texel(inside).w <= 0.0F) return std::nullopt;
+    return static_cast<double>(picture_->geometry.texel(inside).w);
+}
+
+double Session::distanceToSurface() { return renderer_->distanceToSurface(scene_, *subject_); }
+
+} // namespace apeiron::session

@@ -1,0 +1,144 @@
+#pragma once
+
+#include "core/stopwatch.hpp"
+#include "post/chain.hpp"
+#include "render/governor.hpp"
+#include "render/renderer.hpp"
+#include "scene/camera.hpp"
+
+#include <optional>
+
+namespace apeiron::session {
+
+/// Everything that scenes can be made of: the document's own node types and all subjects.
+std::shared_ptr<const scene::Catalogue> catalogue();
+
+struct Options {
+    /// Where kernels run; the default is what was measured to be faster on the kind of device.
+    std::optional<gpu::Stage> stage;
+    /// Parameters become constants of the kernels: faster, but every edit of one compiles anew (see render::BuildOptions).
+    bool specialise = true;
+    /// Most pixels that are submitted at once; 0 leaves it to the governor. The picture does not depend on it.
+    std::int64_t tilePixels = 0;
+    /// The first sample comes as factor² interleaved sub-images (1, 2, 4 or 8), so that there is a whole, coarse
+    /// picture at once. The converged picture does not depend on it.
+    int interleave = 1;
+};
+
+/// What a step did.
+struct StepResult {
+    std::int64_t samples = 0;     ///< complete samples now
+    bool changed = false;         ///< show() would show something new
+    bool finished = false;        ///< output.samples, output.noise or output.time is reached: nothing left to do
+};
+
+/// What was done since the session was made.
+struct Statistics {
+    Phases phases;             ///< "compile", "generate", "integrate", "present", "post", "read"
+    std::int64_t pixels = 0;   ///< estimates of single pixels computed
+    std::int64_t submissions = 0;
+    double longestSubmission = 0.0; ///< [s]
+};
+
+/// The façade of the engine: a scene, and the picture of it that gets better with every step. All front ends use this
+/// and nothing below it. Not thread-safe. Needs its context current on the calling thread.
+class Session {
+  public:
+    /// Starts with the default scene. @param context must outlive the session.
+    explicit Session(const gpu::Context& context, Options options = {});
+    Session(const gpu::Context& context, scene::Scene scene, Options options = {});
+    ~Session();
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
+
+    const scene::Scene& scene() const { return scene_; }
+    const gpu::Context& context() const { return context_; }
+    gpu::Stage stage() const { return build_.stage; }
+    glm::ivec2 size() const;
+
+    /// Replaces the scene; keeps what it can (programs, samples when nothing changed). Compiles at once.
+    /// The old scene stays when it throws. @throws Error
+    void setScene(scene::Scene scene);
+
+    /// Edits one value by path (see scene::Scene::set). Compiles at once where needed; nothing changes when it throws.
+    parameter::Invalidates set(std::string_view path, std::string_view text, const std::filesystem::path& base = {});
+    parameter::Invalidates set(std::string_view path, const Json& value, const std::filesystem::path& base = {});
+
+    /// Moves the camera; samples start anew.
+    void setCamera(const scene::Camera& camera);
+    scene::Camera camera() const { return scene::Camera(scene_.camera); }
+
+    /// Forgets all samples.
+    void reset();
+
+    /// Works for at most `budget` seconds [s] and returns; does at least one pixel's work when there is any. How much is
+    /// done at once follows from what was measured.
+    StepResult step(double budget);
+
+    /// Complete samples of every pixel.
+    std::int64_t samples() const { return samples_; }
+    /// Part of the sample in progress that is done, 0..1.
+    double progress() const;
+    /// render::Accumulation::noise() of now. Reads the accumulators back.
+    double noise() const;
+
+    /// The finished picture, display-encoded: RGBA in [0, 1], rows from the top.
+    /// @param dither one step of the output (1/255 for 8 bits), or 0
+    Image<float> picture(double dither = 0.0);
+
+    /// Shows the picture in the current default framebuffer (a window's, a canvas'), which has the scene's size.
+    void show();
+
+    /// HDR layers as presented: radiance + coverage, normal + depth, albedo + hit share. Rows from the top.
+    struct Layers {
+        Image<float> radiance;
+        Image<float> geometry;
+        Image<float> albedo;
+    };
+    Layers layers();
+
+    /// All samples so far, for saving and merging.
+    render::Accumulation accumulation() const;
+
+    /// Distance along the camera ray to what is seen at a pixel [world units]; nothing where it is background.
+    std::optional<double> distanceAt(glm::ivec2 pixel);
+
+    /// Distance from the camera to the nearest surface [world units]: what camera speed should follow.
+    double distanceToSurface();
+
+    const Statistics& statistics() const { return statistics_; }
+
+  private:
+    void apply(parameter::Invalidates what, bool sizeChanged);
+    void present();
+    bool advance(double remaining, bool mustWork);
+    bool limitReached();
+
+    const gpu::Context& context_;
+    Options options_;
+    render::BuildOptions build_;
+    scene::Scene scene_;
+    gpu::KernelCache cache_;
+    std::unique_ptr<render::Subject> subject_;
+    std::string subjectName_;
+    std::unique_ptr<render::Renderer> renderer_;
+    std::unique_ptr<render::Picture> picture_;
+    std::unique_ptr<post::Chain> chain_;
+    std::unique_ptr<gpu::Texture> displayTexture_;
+    gpu::Targets displayTargets_;
+
+    render::Governor governor_;
+    render::Interleave interleave_;
+    render::TileCursor cursor_;
+    int block_ = 0;              ///< sub-images of the sample in progress that are complete
+    bool pending_ = false;       ///< the sample in progress is computed but not integrated
+    double integrateSeconds_ = 0.0;
+    std::int64_t samples_ = 0;
+    double seconds_ = 0.0;       ///< spent in step() since the last reset
+    std::int64_t noiseCheck_ = 8; ///< the sample count at which noise is looked at next
+    bool noiseReached_ = false;
+    bool stale_ = true;          ///< picture_ does not show the present state
+    Statistics statistics_;
+};
+
+} // namespace apeiron::session
