@@ -6,6 +6,20 @@ namespace apeiron::post {
 
 constexpr auto kFloat4 = gpu::PixelFormat::RGBA32F;
 
+gpu::ShaderSource effectSource(const parameter::Node& effect) {
+    gpu::ShaderSource source;
+    // Never specialised: what the chain shows is there to be turned live.
+    source.addModule(effect.module("type"), "fx_", effect, "effect", false);
+    return source;
+}
+
+gpu::ShaderSource displaySource(const parameter::Node& post) {
+    gpu::ShaderSource source;
+    source.addFile("post/display.glsl");
+    source.addModule(post.module("tonemapper"), "tonemapper_", post, "post", false);
+    return source;
+}
+
 Chain::Stop::Stop(const gpu::Context& context, glm::ivec2 size)
     : color(context, kFloat4, size, "post"), targets(context, {&color}) {}
 
@@ -18,14 +32,10 @@ Chain::Chain(const gpu::Context& context, gpu::KernelCache& cache, gpu::Stage st
             effects_.push_back(nullptr);
             continue;
         }
-        gpu::ShaderSource source;
-        source.addModule(effect.module("type"), "fx_", effect, "effect", false);
-        effects_.push_back(cache.get(effect.module("type").name, source, stage, {kFloat4}));
+        effects_.push_back(cache.get(effect.module("type").name, effectSource(effect), stage, {kFloat4}));
         if (++active <= 2) stops_.push_back(std::make_unique<Stop>(context, size));
     }
-    gpu::ShaderSource source;
-    source.addFile("post/display.glsl");
-    source.addModule(scene.post.module("tonemapper"), "tonemapper_", scene.post, "post", false);
+    const gpu::ShaderSource source = displaySource(scene.post);
     display_ = cache.get("display", source, stage, {kFloat4});
     screen_ = stage == gpu::Stage::Fragment ? display_ : cache.get("display", source, gpu::Stage::Fragment, {kFloat4});
 }

@@ -14,6 +14,12 @@ struct Display {
     glm::vec3 background{0.0F}; ///< linear, 0..1
 };
 
+/// The kernel of an effect node: one output, the picture after it.
+gpu::ShaderSource effectSource(const parameter::Node& effect);
+
+/// The kernel that ends the chain, with the tone mapper of the scene's `post` node: one output.
+gpu::ShaderSource displaySource(const parameter::Node& post);
+
 /// The post chain of a scene: its effects in order, HDR to HDR, then exposure, one tone mapper and sRGB. Needs its context current.
 class Chain {
   public:

@@ -11,20 +11,29 @@ std::int64_t Governor::next(double remaining, bool mustWork) const {
     std::int64_t pixels = limit_;
     if (cost_ > 0.0) {
         // Costs vary over a picture: plan for 1.5 times what was seen.
-        const double affordable = std::min(remaining, kMaxSubmission) / (1.5 * cost_);
-        pixels = std::min(pixels, static_cast<std::int64_t>(std::min(affordable, 1e15)));
+        const double affordable = (std::min(remaining, kMaxSubmission) - overhead_) / (1.5 * cost_);
+        pixels = std::min(pixels, static_cast<std::int64_t>(std::clamp(affordable, 0.0, 1e15)));
+        // The rest of a step is not worth a submission whose fixed cost outweighs its work.
+        if (!mustWork && static_cast<double>(pixels) * cost_ < overhead_) return 0;
     }
     return mustWork ? std::max<std::int64_t>(pixels, 1) : pixels;
 }
 
 void Governor::report(std::int64_t pixels, double seconds) {
     if (pixels <= 0) return;
-    const double cost = seconds / static_cast<double>(pixels);
-    // Up at once, down slowly: the next tile may be the expensive one.
-    cost_ = cost_ == 0.0 ? cost : std::max(cost, 0.7 * cost_ + 0.3 * cost);
+    // What the smallest submissions take is the fixed cost of any.
+    overhead_ = overhead_ == 0.0 ? std::min(0.5 * seconds, 1e-3) : std::min(overhead_, seconds);
+    const double cost = std::max(seconds - overhead_, 0.1 * seconds) / static_cast<double>(pixels);
+    // Up at once, down slowly: the next tile may be the expensive one. Small ones say little.
+    if (cost_ == 0.0) {
+        cost_ = cost;
+    } else if (pixels >= kFirstPixels || seconds > 0.02) {
+        cost_ = std::max(cost, 0.7 * cost_ + 0.3 * cost);
+    }
     if (seconds > kMaxSubmission) {
         limit_ = std::max<std::int64_t>(pixels / 2, 1);
-    } else if (pixels >= limit_) {
+    } else if (2 * pixels > limit_) {
+        // (Whole rows: what was submitted is seldom exactly the limit.)
         limit_ = std::min<std::int64_t>(limit_ * 4, std::int64_t{1} << 40);
     }
 }

@@ -6,7 +6,7 @@ namespace apeiron::render {
 
 /// Decides how much work to hand to the GPU at once, so that a step ends within its time budget and no submission
 /// comes near a driver's watchdog (2 s on common systems). It knows nothing beforehand: it starts with little, measures, and
-/// at most doubles.
+/// at most quadruples.
 class Governor {
   public:
     /// No submission is meant to take longer than this [s].
@@ -27,7 +27,8 @@ class Governor {
     double costPerPixel() const { return cost_; }
 
   private:
-    double cost_ = 0.0;
+    double cost_ = 0.0;     ///< of a pixel [s]
+    double overhead_ = 0.0; ///< of a submission [s]
     std::int64_t limit_ = kFirstPixels;
 };
 

@@ -15,6 +15,8 @@ class Interleave {
     explicit Interleave(int factor);
 
     int factor() const { return factor_; }
+    /// log2 of the factor.
+    int shift() const { return factor_ == 8 ? 3 : factor_ / 2; }
     int count() const { return factor_ * factor_; }
     /// The pixel offset of the i-th sub-image.
     glm::ivec2 offset(int i) const { return offsets_[static_cast<std::size_t>(i)]; }

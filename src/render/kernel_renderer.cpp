@@ -1,12 +1,9 @@
-#include "core/error.hpp"
+#include "render/kernel_sources.hpp"
 #include "render/renderer.hpp"
-
-#include <fmt/format.h>
 
 #include <array>
 #include <functional>
 #include <limits>
-#include <sstream>
 
 namespace apeiron::render {
 namespace {
@@ -45,37 +42,18 @@ class KernelRenderer : public Renderer {
           back_(std::make_unique<Buffers<4>>(context, size, kAccumulator)),
           harmonics_(context, kFloat4, {9, 1}, "environment_sh"), harmonicsTargets_(context, {&harmonics_}),
           probeResult_(context, kFloat4, {1, 1}, "probe"), probeTargets_(context, {&probeResult_}) {
-        const parameter::GlslModule& module = scene.renderer.module("type");
-        requireInterfaces(module, scene, subject);
-
-        gpu::ShaderSource generate;
-        generate.addFile("render/glsl/environment.glsl");
-        addEnvironment(generate, scene, options);
-        subject.addSource(generate, scene.subject, options);
-        generate.addModule(module, "renderer_", scene.renderer, "renderer", options.specialise);
-        generate_ = cache.get(module.name, generate, options.stage, {kFloat4, kFloat4, kFloat4});
-
-        gpu::ShaderSource harmonics;
-        harmonics.addFile("render/glsl/environment.glsl");
-        addEnvironment(harmonics, scene, options);
-        harmonics.addFile("render/glsl/environment_sh.glsl");
-        harmonicsKernel_ = cache.get("environment_sh", harmonics, options.stage, {kFloat4});
-
-        const auto tag = module.tags.find("integrate");
-        const std::string integrator = tag != module.tags.end() ? tag->second : "mean";
-        gpu::ShaderSource integrate;
-        integrate.addFile("render/glsl/integrate_" + integrator + ".glsl");
-        integrate_ = cache.get("integrate " + integrator, integrate, options.stage, {kFloat4, kFloat4, kFloat4, kFloat4});
-        gpu::ShaderSource present;
-        present.addFile("render/glsl/present_" + integrator + ".glsl");
-        present_ = cache.get("present " + integrator, present, options.stage, {kFloat4, kFloat4, kFloat4});
-
+        const std::string name = scene.renderer.module("type").name;
+        const std::string means = integratorOf(scene);
+        generate_ = cache.get(name, generateSource(scene, subject, options), options.stage, {kFloat4, kFloat4, kFloat4});
+        harmonicsKernel_ = cache.get("environment_sh", harmonicsSource(scene, options), options.stage, {kFloat4});
+        integrate_ = cache.get("integrate " + means, integrateSource(means), options.stage,
+                               {kFloat4, kFloat4, kFloat4, kFloat4});
+        present_ = cache.get("present " + means, presentSource(means), options.stage, {kFloat4, kFloat4, kFloat4});
         if (subject.provides().contains("surface")) {
-            gpu::ShaderSource probe;
-            subject.addSource(probe, scene.subject, options);
-            probe.addFile("render/glsl/probe.glsl");
             // Compiled only when asked for: many sessions never do.
-            makeProbe_ = [&cache, probe, stage = options.stage] { return cache.get("probe", probe, stage, {kFloat4}); };
+            makeProbe_ = [&cache, source = probeSource(scene, subject, options), stage = options.stage] {
+                return cache.get("probe", source, stage, {kFloat4});
+            };
         }
     }
 
@@ -129,31 +107,10 @@ class KernelRenderer : public Renderer {
     }
 
   private:
-    static void addEnvironment(gpu::ShaderSource& source, const scene::Scene& scene, const BuildOptions& options) {
-        source.addModule(scene.environment.module("type"), "environment_", scene.environment, "environment",
-                         options.specialise);
-    }
-
-    static void requireInterfaces(const parameter::GlslModule& module, const scene::Scene& scene,
-                                  const Subject& subject) {
-        const auto tag = module.tags.find("needs");
-        if (tag == module.tags.end()) return;
-        const std::set<std::string> given = subject.provides();
-        std::istringstream needs(tag->second);
-        std::string name;
-        while (needs >> name) {
-            if (given.contains(name)) continue;
-            throw Error(ErrorKind::BadInput,
-                        fmt::format("renderer '{}' needs a {}, which a {} does not have", module.name, name,
-                                    scene.subject.type().name),
-                        "renderer.type", fmt::format("a {} has: {}", scene.subject.type().name, fmt::join(given, ", ")));
-        }
-    }
-
     void bindBuffers(gpu::Kernel& kernel, const Interleave& interleave) {
         for (std::size_t i = 0; i < kEstimate.size(); ++i) kernel.set(kEstimate[i], estimate_.textures[i]);
         for (std::size_t i = 0; i < kAccumulator.size(); ++i) kernel.set(kAccumulator[i], front_->textures[i]);
-        kernel.set("estimate_stride", interleave.factor());
+        kernel.set("estimate_shift", interleave.shift());
         kernel.set("estimate_block", interleave.block(size_));
     }
 

@@ -11,12 +11,12 @@ uniform sampler2D accumulator_mean;
 uniform sampler2D accumulator_spread;
 uniform sampler2D accumulator_normal;
 uniform sampler2D accumulator_albedo;
-uniform int estimate_stride;  // interleave factor k
+uniform int estimate_shift;    // log2 of the interleave factor: shifts, as integer division is slow everywhere
 uniform ivec2 estimate_block; // size of one sub-image
 uniform bool accumulator_empty; // nothing was accumulated yet: whatever the buffers hold
 
 void kernel_main(ivec2 pixel, out vec4 mean, out vec4 spread, out vec4 normal, out vec4 albedo) {
-    ivec2 texel = (pixel % estimate_stride) * estimate_block + pixel / estimate_stride;
+    ivec2 texel = (pixel & ((1 << estimate_shift) - 1)) * estimate_block + (pixel >> estimate_shift);
     vec4 radiance = texelFetch(estimate_radiance, texel, 0);
     vec4 geometry = texelFetch(estimate_geometry, texel, 0);
     vec4 color = texelFetch(estimate_albedo, texel, 0);

@@ -1,0 +1,77 @@
+#include "render/kernel_sources.hpp"
+
+#include "core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <sstream>
+
+namespace apeiron::render {
+namespace {
+
+void requireInterfaces(const scene::Scene& scene, const Subject& subject) {
+    const parameter::GlslModule& module = scene.renderer.module("type");
+    const auto tag = module.tags.find("needs");
+    if (tag == module.tags.end()) return;
+    const std::set<std::string> given = subject.provides();
+    std::istringstream needs(tag->second);
+    std::string name;
+    while (needs >> name) {
+        if (given.contains(name)) continue;
+        const std::string& kind = scene.subject.type().name;
+        throw Error(ErrorKind::BadInput,
+                    fmt::format("renderer '{}' needs a {}, which a {} does not have", module.name, name, kind),
+                    "renderer.type", fmt::format("a {} has: {}", kind, fmt::join(given, ", ")));
+    }
+}
+
+void addEnvironment(gpu::ShaderSource& source, const scene::Scene& scene, const BuildOptions& options) {
+    source.addFile("render/glsl/environment.glsl");
+    source.addModule(scene.environment.module("type"), "environment_", scene.environment, "environment",
+                     options.specialise);
+}
+
+} // namespace
+
+std::string integratorOf(const scene::Scene& scene) {
+    const auto& tags = scene.renderer.module("type").tags;
+    const auto tag = tags.find("integrate");
+    return tag != tags.end() ? tag->second : "mean";
+}
+
+gpu::ShaderSource generateSource(const scene::Scene& scene, const Subject& subject, const BuildOptions& options) {
+    requireInterfaces(scene, subject);
+    gpu::ShaderSource source;
+    addEnvironment(source, scene, options);
+    subject.addSource(source, scene.subject, options);
+    source.addModule(scene.renderer.module("type"), "renderer_", scene.renderer, "renderer", options.specialise);
+    return source;
+}
+
+gpu::ShaderSource harmonicsSource(const scene::Scene& scene, const BuildOptions& options) {
+    gpu::ShaderSource source;
+    addEnvironment(source, scene, options);
+    source.addFile("render/glsl/environment_sh.glsl");
+    return source;
+}
+
+gpu::ShaderSource integrateSource(const std::string& integrator) {
+    gpu::ShaderSource source;
+    source.addFile("render/glsl/integrate_" + integrator + ".glsl");
+    return source;
+}
+
+gpu::ShaderSource presentSource(const std::string& integrator) {
+    gpu::ShaderSource source;
+    source.addFile("render/glsl/present_" + integrator + ".glsl");
+    return source;
+}
+
+gpu::ShaderSource probeSource(const scene::Scene& scene, const Subject& subject, const BuildOptions& options) {
+    gpu::ShaderSource source;
+    subject.addSource(source, scene.subject, options);
+    source.addFile("render/glsl/probe.glsl");
+    return source;
+}
+
+} // namespace apeiron::render
