@@ -38,7 +38,7 @@ std::string join(Number number) {
     std::string& digits = number.digits;
     if (digits.size() <= number.places) digits.insert(0, number.places + 1 - digits.size(), '0');
     std::string fraction = digits.substr(digits.size() - number.places);
-    digits.resize(digits.size() - number.places);
+    digits.erase(digits.size() - number.places);
     fraction.erase(fraction.find_last_not_of('0') + 1); // npos + 1 is 0: all of it
     digits.erase(0, std::min(digits.find_first_not_of('0'), digits.size() - 1));
 
@@ -131,7 +131,7 @@ Decimal Decimal::parse(std::string_view text) {
     // Zeros at both ends say nothing; without them the length can be judged before anything is written out.
     const std::size_t significant = digits.find_last_not_of('0') + 1;
     exponent += static_cast<long long>(digits.size() - significant);
-    digits.resize(significant);
+    digits.erase(significant);
     digits.erase(0, digits.find_first_not_of('0'));
     if (digits.empty()) return {};
     const auto size = static_cast<long long>(digits.size());
@@ -194,7 +194,7 @@ Decimal Decimal::rounded(int places) const {
 
     const std::size_t kept = number.digits.size() - static_cast<std::size_t>(cut);
     const bool up = number.digits[kept] >= '5';
-    number.digits.resize(kept);
+    number.digits.erase(kept);
     if (up) {
         const std::string zeros(kept, '0');
         number.digits = kept == 0 ? "1" : add(number.digits, zeros.substr(1) + "1");

@@ -38,7 +38,8 @@ std::string nearestName(std::string_view name, std::span<const std::string> cand
     std::string best;
     std::size_t bestDistance = std::numeric_limits<std::size_t>::max();
     for (const std::string& candidate : candidates) {
-        const auto [shorter, longer] = std::minmax(name.size(), candidate.size());
+        const std::size_t shorter = std::min(name.size(), candidate.size());
+        const std::size_t longer = std::max(name.size(), candidate.size());
         // One slip in three letters is plausible; the length test also spares the table for absurdly long names.
         const std::size_t allowed = longer / 3;
         if (longer - shorter > allowed || candidate.empty()) continue;

@@ -24,11 +24,12 @@ void Governor::report(std::int64_t pixels, double seconds) {
     // What the smallest submissions take is the fixed cost of any.
     overhead_ = overhead_ == 0.0 ? std::min(0.5 * seconds, 1e-3) : std::min(overhead_, seconds);
     const double cost = std::max(seconds - overhead_, 0.1 * seconds) / static_cast<double>(pixels);
-    // Up at once, down slowly: the next tile may be the expensive one. Small ones say little.
-    if (cost_ == 0.0) {
+    // Up at once, as the next tile may be an expensive one too, unless it was too small to say much; down slowly.
+    const bool telling = pixels >= kFirstPixels || seconds > 0.02;
+    if (cost_ == 0.0 || (cost > cost_ && telling)) {
         cost_ = cost;
-    } else if (pixels >= kFirstPixels || seconds > 0.02) {
-        cost_ = std::max(cost, 0.7 * cost_ + 0.3 * cost);
+    } else if (cost < cost_) {
+        cost_ = 0.75 * cost_ + 0.25 * cost;
     }
     if (seconds > kMaxSubmission) {
         limit_ = std::max<std::int64_t>(pixels / 2, 1);

@@ -141,7 +141,7 @@ void Camera::orbit(double yaw, double pitch) {
     makeOrbit();
     const glm::dvec3 offset = difference(position(), target());
     const double radius = length(offset);
-    if (radius == 0) return;
+    if (radius == 0 || (yaw == 0 && pitch == 0)) return;
 
     // "Right" and "up" are those of the picture: with a rolled camera the two turns mix.
     const double roll = glm::radians(node_.number("roll"));
