@@ -59,7 +59,7 @@ Session::Session(const gpu::Context& context, Options options)
 
 Session::Session(const gpu::Context& context, scene::Scene scene, Options options)
     : context_(context), options_(std::move(options)), build_{chooseStage(context, options_), options_.specialise},
-      scene_(std::move(scene)), cache_(context), interleave_(options_.interleave), cursor_({1, 1}) {
+      scene_(std::move(scene)), cache_(context), timer_(context), interleave_(options_.interleave), cursor_({1, 1}) {
     apply(parameter::Invalidates::Program, true);
 }
 
@@ -178,14 +178,21 @@ bool Session::limitReached() {
     return noiseReached_;
 }
 
+double Session::timed(const char* phase, const std::function<void()>& work) {
+    const Stopwatch watch;
+    Phases::Scope scope(statistics_.phases, phase);
+    timer_.start();
+    work();
+    timer_.stop();
+    context_.finish();
+    scope.times().gpuMs += timer_.milliseconds();
+    return watch.seconds();
+}
+
 bool Session::advance(double remaining, bool mustWork) {
     if (pending_) {
         if (!mustWork && remaining < 1.5 * integrateSeconds_) return false;
-        const Stopwatch watch;
-        const Phases::Scope scope(statistics_.phases, "integrate");
-        renderer_->integrate(interleave_);
-        context_.finish();
-        integrateSeconds_ = watch.seconds();
+        integrateSeconds_ = timed("integrate", [this] { renderer_->integrate(interleave_); });
         pending_ = false;
         ++samples_;
         // Sub-images serve the first picture; whole pictures are faster afterwards.
@@ -199,14 +206,10 @@ bool Session::advance(double remaining, bool mustWork) {
     if (options_.tilePixels > 0) pixels = std::min(pixels, options_.tilePixels);
     if (pixels <= 0) return false;
     const gpu::Region region = cursor_.take(pixels);
-    const Stopwatch watch;
-    {
-        Phases::Scope scope(statistics_.phases, "generate");
+    const double seconds = timed("generate", [&] {
         const auto sample = static_cast<std::uint32_t>(samples_ + scene_.output.integer("first_sample"));
         renderer_->generate(sample, interleave_, interleave_.offset(block_), region);
-        context_.finish();
-    }
-    const double seconds = watch.seconds();
+    });
     const std::int64_t done = static_cast<std::int64_t>(region.size.x) * region.size.y;
     governor_.report(done, seconds);
     statistics_.pixels += done;
@@ -263,13 +266,11 @@ void Session::present() {
 
 Image<float> Session::picture(double dither) {
     present();
-    {
-        const Phases::Scope scope(statistics_.phases, "post");
+    timed("post", [&] {
         post::Display display;
         display.dither = dither;
         chain_->run(scene_, *picture_, displayTargets_, display);
-        context_.finish();
-    }
+    });
     const Phases::Scope scope(statistics_.phases, "read");
     return displayTexture_->download();
 }

@@ -1,11 +1,13 @@
 #pragma once
 
 #include "core/stopwatch.hpp"
+#include "gpu/timer.hpp"
 #include "post/chain.hpp"
 #include "render/governor.hpp"
 #include "render/renderer.hpp"
 #include "scene/camera.hpp"
 
+#include <functional>
 #include <optional>
 
 namespace apeiron::session {
@@ -112,6 +114,8 @@ class Session {
     void apply(parameter::Invalidates what, bool sizeChanged);
     void present();
     bool advance(double remaining, bool mustWork);
+    /// Runs GPU work to its end and books its time under a phase; returns the wall time [s].
+    double timed(const char* phase, const std::function<void()>& work);
     bool limitReached();
 
     const gpu::Context& context_;
@@ -127,6 +131,7 @@ class Session {
     std::unique_ptr<gpu::Texture> displayTexture_;
     gpu::Targets displayTargets_;
 
+    gpu::Timer timer_;
     render::Governor governor_;
     render::Interleave interleave_;
     render::TileCursor cursor_;
