@@ -23,10 +23,12 @@ std::string_view identifierAt(std::string_view text, std::size_t i) {
     return text.substr(i, end - i);
 }
 
-char nextNonSpace(std::string_view text, std::size_t i) {
+std::size_t skipSpace(std::string_view text, std::size_t i) {
     while (i < text.size() && std::isspace(static_cast<unsigned char>(text[i])) != 0) ++i;
-    return i < text.size() ? text[i] : '\0';
+    return i;
 }
+
+char charAt(std::string_view text, std::size_t i) { return i < text.size() ? text[i] : '\0'; }
 
 } // namespace
 
@@ -50,10 +52,11 @@ std::string withoutComments(std::string_view text) {
 std::set<std::string> globalNames(std::string_view source) {
     const std::string text = withoutComments(source);
     std::set<std::string> names;
-    int depth = 0;              // of all brackets
-    bool declaring = true;      // before a '=' of the current global declaration
+    int depth = 0;         // of all brackets
+    bool declaring = true; // not in a value behind a '=' of the current global declaration
+    bool naming = true;    // not in `precision highp float;`, which declares nothing
     bool lineStart = true;
-    std::string previous;       // the identifier before the current one
+    std::string previous; // the identifier before the current one
     for (std::size_t i = 0; i < text.size(); ++i) {
         const char c = text[i];
         if (c == '\n') {
@@ -72,11 +75,15 @@ std::set<std::string> globalNames(std::string_view source) {
         lineStart = false;
         if (isIdentifierStart(c)) {
             const std::string word(identifierAt(text, i));
-            const char after = nextNonSpace(text, i + word.size());
-            if (depth == 0 && declaring && !previous.empty() &&
+            const std::size_t behind = skipSpace(text, i + word.size());
+            const char after = charAt(text, behind);
+            if (depth == 0 && word == "precision") naming = false;
+            // In `const float[3] name` the word before the bracket is the type.
+            const bool type = after == '[' && isIdentifierStart(charAt(text, skipSpace(text, text.find(']', behind) + 1)));
+            if (depth == 0 && declaring && naming && !type && !previous.empty() &&
                 (after == '(' || after == '=' || after == ';' || after == '[' || after == ',' ||
                  (after == '{' && previous == "struct")) &&
-                word != "layout") {
+                word != "layout" && word != "uniform") {
                 names.insert(word);
             }
             previous = word;
@@ -93,8 +100,11 @@ std::set<std::string> globalNames(std::string_view source) {
             }
         } else if (depth == 0 && c == '=') {
             declaring = false;
+        } else if (depth == 0 && c == ',') {
+            declaring = true; // another name of the same declaration
         } else if (depth == 0 && c == ';') {
             declaring = true;
+            naming = true;
             previous.clear();
         }
     }
@@ -228,7 +238,7 @@ void ShaderSource::addModule(const parameter::GlslModule& module, const std::str
     for (const parameter::Parameter& p : module.parameters) {
         const std::string uniform = prefix + p.name;
         if (specialise || p.invalidates == parameter::Invalidates::Program) {
-            const std::regex declaration(fmt::format(R"(\buniform\s+((?:highp\s+)?\w+)\s+{}\s*;)", uniform));
+            const std::regex declaration(fmt::format(R"(\buniform\s+((?:(?:high|medium|low)p\s+)?\w+)\s+{}\s*;)", uniform));
             text = std::regex_replace(text, declaration,
                                       fmt::format("const $1 {} = {};", uniform,
                                                   glslLiteral(p, node.value(p.name))));
@@ -254,9 +264,9 @@ std::vector<ShaderSource::Output> ShaderSource::outputs() const {
 
 std::vector<ShaderSource::Place> ShaderSource::parseLog(const std::string& log) const {
     // Mesa: "0:12(5): error: ...", ANGLE and glslang: "ERROR: 0:12: ...", NVIDIA: "0(12) : error C1008: ...".
-    static const std::regex kMesa(R"(^(\d+):(\d+)\(\d+\): (?:\w+ )?error: (.*)$)");
-    static const std::regex kAngle(R"(^ERROR: (\d+):(\d+): (.*)$)");
-    static const std::regex kNvidia(R"(^(\d+)\((\d+)\) : error (.*)$)");
+    static const std::regex kMesa(R"(^(\d{1,9}):(\d{1,9})\(\d+\): (?:\w+ )?error: (.*)$)");
+    static const std::regex kAngle(R"(^ERROR: (\d{1,9}):(\d{1,9}): (.*)$)");
+    static const std::regex kNvidia(R"(^(\d{1,9})\((\d{1,9})\) : error (.*)$)");
     std::vector<Place> places;
     std::istringstream lines(log);
     std::string line;

@@ -96,6 +96,9 @@ class ModuleParser {
     void parse() {
         if (module_.source.find('\0') != std::string::npos)
             throw Error(ErrorKind::BadInput, "is not a text file", module_.file);
+        // A user's module is saved inside the scene's JSON.
+        if (!isUtf8(module_.source) || !isUtf8(module_.name))
+            throw Error(ErrorKind::BadInput, "is not in UTF-8", module_.file, "save it as UTF-8");
         module_.doc = leadingDoc(lines_);
         // Tags first: they set defaults for uniforms anywhere in the file.
         forEachLine([&] { readTag(); });
@@ -134,8 +137,10 @@ class ModuleParser {
         const std::string where = place();
         const UniformDeclaration uniform = parseUniform(line.code);
         std::string annotation(line.comment.substr(1));
-        while (index_ + 1 < lines_.size() && lines_[index_ + 1].code.empty() && isAnnotated(lines_[index_ + 1]))
-            annotation += " " + std::string(trimmed(lines_[++index_].comment.substr(1)));
+        while (index_ + 1 < lines_.size() && lines_[index_ + 1].code.empty() && isAnnotated(lines_[index_ + 1])) {
+            annotation += ' ';
+            annotation += trimmed(lines_[++index_].comment.substr(1));
+        }
 
         Parameter parameter = parseAnnotation(uniform.type, std::string(uniform.name), annotation, byDefault_);
         parameter.where = where;

@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/suggest.hpp"
+#include "parameter/text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -48,7 +49,10 @@ void checkChoice(const Parameter& parameter, const std::string& label) {
 
 template <class T> const T& expect(const Value& value, const char* what) {
     const T* typed = std::get_if<T>(&value);
-    if (typed == nullptr) fail(fmt::format("expected {}, got {}", what, inQuotes(toJson(value).dump())));
+    if (typed == nullptr) {
+        const std::string got = toJson(value).dump(-1, ' ', false, Json::error_handler_t::replace);
+        fail(fmt::format("expected {}, got {}", what, inQuotes(got)));
+    }
     return *typed;
 }
 
@@ -165,7 +169,7 @@ void validate(const Parameter& parameter, const Value& value) {
         checkChoice(parameter, expect<std::string>(value, "a label"));
         break;
     case Type::Text:
-        expect<std::string>(value, "a text");
+        if (!isUtf8(expect<std::string>(value, "a text"))) fail("expected a text in UTF-8");
         break;
     case Type::Decimal3:
         expect<Decimal3>(value, "3 decimal numbers");

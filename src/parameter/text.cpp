@@ -2,6 +2,7 @@
 
 #include "core/decimal.hpp"
 #include "core/error.hpp"
+#include "core/json.hpp"
 
 #include <cmath>
 
@@ -22,6 +23,15 @@ std::vector<std::string_view> splitAtCommas(std::string_view text) {
         pieces.push_back(trimmed(text.substr(0, comma)));
         if (comma == std::string_view::npos) return pieces;
         text.remove_prefix(comma + 1);
+    }
+}
+
+bool isUtf8(std::string_view text) {
+    try {
+        Json(text).dump(); // the very judge who will refuse when the document is saved
+        return true;
+    } catch (const Json::type_error&) {
+        return false;
     }
 }
 

@@ -13,6 +13,9 @@ std::string_view trimmed(std::string_view text);
 /// The trimmed pieces between commas; a text of white space only has none.
 std::vector<std::string_view> splitAtCommas(std::string_view text);
 
+/// Whether JSON can hold the text as it is.
+bool isUtf8(std::string_view text);
+
 /// A finite decimal number such as `-1`, `.5` or `1e-6` (no hexadecimal, no inf, whatever the C locale).
 std::optional<double> parseNumber(std::string_view text);
 

@@ -25,7 +25,7 @@ void Governor::report(std::int64_t pixels, double seconds) {
     overhead_ = overhead_ == 0.0 ? std::min(0.5 * seconds, 1e-3) : std::min(overhead_, seconds);
     const double cost = std::max(seconds - overhead_, 0.1 * seconds) / static_cast<double>(pixels);
     // Up at once, as the next tile may be an expensive one too, unless it was too small to say much; down slowly.
-    const bool telling = pixels >= kFirstPixels || seconds > 0.02;
+    const bool telling = pixels >= kFirstPixels || seconds > std::max(2e-3, 5.0 * overhead_);
     if (cost_ == 0.0 || (cost > cost_ && telling)) {
         cost_ = cost;
     } else if (cost < cost_) {

@@ -53,7 +53,7 @@ NodeType camera() {
         {
             Declare("mode", Type::Choice, "orbit", "Look at the target, or along a free orientation")
                 .choices({"orbit", "free"}),
-            Declare("position", Type::Decimal3, decimals("1.2", "-2.4", "0.8"), "Where the camera is"),
+            Declare("position", Type::Decimal3, decimals("1.52", "-2.34", "0.98"), "Where the camera is"),
             Declare("target", Type::Decimal3, decimals("0", "0", "0"),
                     "What it looks at and turns around in orbit mode"),
             Declare("up", Type::Vec3, glm::dvec3(0, 0, 1), "The direction that is upwards in the picture in orbit mode")
@@ -64,14 +64,14 @@ NodeType camera() {
             Declare("orientation", Type::Vec4, glm::dvec4(0, 0, 0, 1),
                     "Camera to world in free mode: a quaternion x, y, z, w")
                 .nonZero(),
-            Declare("fov", Type::Float, 40.0, "Vertical field of view").range(1, 150).unit("deg"),
+            Declare("fov", Type::Float, 46.0, "Vertical field of view").range(1, 150).unit("deg"),
             Declare("projection", Type::Choice, "perspective",
                     "Orthographic shows at the target what the perspective would: 2 distance tan(fov/2) of height")
                 .choices({"perspective", "orthographic"})
-                .invalidates(Invalidates::Program),
+                .invalidates(Invalidates::Samples),
             Declare("filter", Type::Choice, "gaussian", "Pixel filter for anti-aliasing")
                 .choices({"box", "tent", "gaussian"})
-                .invalidates(Invalidates::Program),
+                .invalidates(Invalidates::Samples),
         },
         {},
     };

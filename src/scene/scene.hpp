@@ -39,6 +39,13 @@ class Scene {
     /// @throws Error (BadInput) "path: ..." with the nearest name.
     parameter::Invalidates set(std::string_view path, std::string_view text, const std::filesystem::path& base = {});
     parameter::Invalidates set(std::string_view path, const Json& value, const std::filesystem::path& base = {});
+    // Text of these types is text, although it could become JSON as well.
+    parameter::Invalidates set(std::string_view path, const std::string& text, const std::filesystem::path& base = {}) {
+        return set(path, std::string_view(text), base);
+    }
+    parameter::Invalidates set(std::string_view path, const char* text, const std::filesystem::path& base = {}) {
+        return set(path, std::string_view(text), base);
+    }
 
     std::string title;
     parameter::Node camera;
