@@ -38,7 +38,8 @@ void samples(benchmark::State& state, const std::string& file, gpu::Stage stage)
     session::Session session(context(), load(file, width, height), options);
     for (auto _ : state) {
         const std::int64_t before = session.samples();
-        while (session.samples() == before) session.step(1.0);
+        while (session.samples() == before)
+            session.step(1.0);
     }
     state.counters["pixels/s"] =
         benchmark::Counter(static_cast<double>(state.iterations()) * width * height, benchmark::Counter::kIsRate);
@@ -51,7 +52,8 @@ void wholePicture(benchmark::State& state, const std::string& file) {
     session::Session session(context(), load(file, side, side));
     for (auto _ : state) {
         session.reset();
-        while (session.samples() == 0) session.step(1.0);
+        while (session.samples() == 0)
+            session.step(1.0);
         benchmark::DoNotOptimize(session.picture(1.0 / 255.0));
     }
 }
@@ -67,7 +69,10 @@ void compile(benchmark::State& state, const std::string& file) {
 } // namespace
 
 #define APEIRON_BENCH(FUNCTION, NAME, ...)                                                                             \
-    BENCHMARK_CAPTURE(FUNCTION, NAME, __VA_ARGS__)->MeasureProcessCPUTime()->UseRealTime()->Unit(benchmark::kMillisecond)
+    BENCHMARK_CAPTURE(FUNCTION, NAME, __VA_ARGS__)                                                                     \
+        ->MeasureProcessCPUTime()                                                                                      \
+        ->UseRealTime()                                                                                                \
+        ->Unit(benchmark::kMillisecond)
 
 APEIRON_BENCH(wholePicture, bulb_plain, "bench/peers/bulb_plain.json")->Arg(512)->Arg(1024);
 APEIRON_BENCH(wholePicture, bulb_lit, "bench/peers/bulb_lit.json")->Arg(512)->Arg(1024);

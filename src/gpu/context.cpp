@@ -57,6 +57,9 @@ void Context::readCapabilities() {
     c.maxTextureSize = glInteger(GL_MAX_TEXTURE_SIZE);
     c.maxDrawBuffers = glInteger(GL_MAX_DRAW_BUFFERS);
 #ifdef __EMSCRIPTEN__
+    // Browsers give the device's real name (UNMASKED_RENDERER_WEBGL) only where WEBGL_debug_renderer_info is on.
+    if (const std::string device = glString(0x9246); !device.empty()) c.renderer = device;
+    c.software = isSoftwareRenderer(c.renderer);
     c.es = true;
     c.web = true;
 #else

@@ -10,31 +10,31 @@ namespace apeiron::gpu {
 
 /// A device that a headless context can be made on.
 struct Device {
-    int index = 0;           ///< what `--device` takes
-    std::string name;        ///< GL_RENDERER
-    std::string driver;      ///< GL_VERSION
-    bool software = false;   ///< renders on the CPU
-    bool usable = false;     ///< a context could be made
-    std::string problem;     ///< why not, when not usable
+    int index = 0;         ///< what `--device` takes
+    std::string name;      ///< GL_RENDERER
+    std::string driver;    ///< GL_VERSION
+    bool software = false; ///< renders on the CPU
+    bool usable = false;   ///< a context could be made
+    std::string problem;   ///< why not, when not usable
 };
 
 /// What the current context can do.
 struct Capabilities {
     std::string renderer;
     std::string version;
-    bool es = false;             ///< OpenGL ES or WebGL
+    bool es = false; ///< OpenGL ES or WebGL
     bool web = false;
-    bool software = false;       ///< llvmpipe, softpipe, SwiftShader
-    bool compute = false;        ///< compute kernels (GL >= 4.3 or ES >= 3.1)
-    bool timers = false;         ///< GPU timer queries
-    bool floatTargets = false;   ///< 32-bit float colour targets
-    int maxTextureSize = 0;      ///< [texels]
+    bool software = false;     ///< llvmpipe, softpipe, SwiftShader
+    bool compute = false;      ///< compute kernels (GL >= 4.3 or ES >= 3.1)
+    bool timers = false;       ///< GPU timer queries
+    bool floatTargets = false; ///< 32-bit float colour targets
+    int maxTextureSize = 0;    ///< [texels]
     int maxDrawBuffers = 0;
 };
 
 struct ContextOptions {
-    int device = -1;     ///< an index of Context::devices(); -1: the first hardware device, else Mesa's software one
-    bool debug = false;  ///< driver debug messages; a high-severity one becomes an Error at the next check()
+    int device = -1;    ///< an index of Context::devices(); -1: the first hardware device, else Mesa's software one
+    bool debug = false; ///< driver debug messages; a high-severity one becomes an Error at the next check()
 };
 
 /// A GL context and the display it lives on. One is current per thread; every object of gpu/ belongs to the

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstring>
 #include <mutex>
+#include <utility>
 
 namespace apeiron::gpu {
 namespace {
@@ -66,12 +67,18 @@ void onDebugMessage(GLenum /*source*/, GLenum type, GLuint /*id*/, GLenum severi
 std::string eglError() {
     const EGLint code = eglGetError();
     switch (code) {
-    case EGL_NOT_INITIALIZED: return "EGL_NOT_INITIALIZED";
-    case EGL_BAD_ALLOC: return "EGL_BAD_ALLOC";
-    case EGL_BAD_MATCH: return "EGL_BAD_MATCH";
-    case EGL_BAD_DISPLAY: return "EGL_BAD_DISPLAY";
-    case EGL_SUCCESS: return "no driver";
-    default: return fmt::format("EGL error 0x{:04x}", code);
+    case EGL_NOT_INITIALIZED:
+        return "EGL_NOT_INITIALIZED";
+    case EGL_BAD_ALLOC:
+        return "EGL_BAD_ALLOC";
+    case EGL_BAD_MATCH:
+        return "EGL_BAD_MATCH";
+    case EGL_BAD_DISPLAY:
+        return "EGL_BAD_DISPLAY";
+    case EGL_SUCCESS:
+        return "no driver";
+    default:
+        return fmt::format("EGL error 0x{:04x}", code);
     }
 }
 

@@ -10,7 +10,9 @@ struct Context::Native {};
 Context::Context() = default;
 Context::~Context() = default;
 
-std::vector<Device> Context::devices() { return {}; }
+std::vector<Device> Context::devices() {
+    return {};
+}
 
 std::unique_ptr<Context> Context::create(const ContextOptions& /*options*/) {
     throw Error(ErrorKind::NoContext, "a browser's context is made by the page", {}, "hand it over and adopt it");

@@ -1,6 +1,7 @@
 #include "gpu/kernel.hpp"
 
 #include "core/resources.hpp"
+#include "gpu/context_native.hpp"
 #include "gpu/gl.hpp"
 
 #include <fmt/format.h>
@@ -19,13 +20,20 @@ struct ImageFormat {
 
 ImageFormat imageFormat(PixelFormat format) {
     switch (format) {
-    case PixelFormat::R32F: return {"r32f", "image2D", GL_R32F};
-    case PixelFormat::RG32F: return {"rg32f", "image2D", GL_RG32F};
-    case PixelFormat::RGBA32F: return {"rgba32f", "image2D", GL_RGBA32F};
-    case PixelFormat::RGBA16F: return {"rgba16f", "image2D", GL_RGBA16F};
-    case PixelFormat::RGBA8: return {"rgba8", "image2D", GL_RGBA8};
-    case PixelFormat::R32I: return {"r32i", "iimage2D", GL_R32I};
-    case PixelFormat::RG32I: return {"rg32i", "iimage2D", GL_RG32I};
+    case PixelFormat::R32F:
+        return {"r32f", "image2D", GL_R32F};
+    case PixelFormat::RG32F:
+        return {"rg32f", "image2D", GL_RG32F};
+    case PixelFormat::RGBA32F:
+        return {"rgba32f", "image2D", GL_RGBA32F};
+    case PixelFormat::RGBA16F:
+        return {"rgba16f", "image2D", GL_RGBA16F};
+    case PixelFormat::RGBA8:
+        return {"rgba8", "image2D", GL_RGBA8};
+    case PixelFormat::R32I:
+        return {"r32i", "iimage2D", GL_R32I};
+    case PixelFormat::RG32I:
+        return {"rg32i", "iimage2D", GL_RG32I};
     }
     assert(false);
     return {};
@@ -79,7 +87,9 @@ void main() {
 
 } // namespace
 
-std::string_view toString(Stage stage) { return stage == Stage::Compute ? "compute" : "fragment"; }
+std::string_view toString(Stage stage) {
+    return stage == Stage::Compute ? "compute" : "fragment";
+}
 
 std::string stageText(const ShaderSource& source, Stage stage, const std::vector<PixelFormat>& formats,
                       std::string_view version) {
@@ -91,16 +101,16 @@ std::string stageText(const ShaderSource& source, Stage stage, const std::vector
     text += fmt::format("#define APEIRON_OUTPUTS {}\n", outputs.size());
     for (std::size_t i = 0; i < outputs.size(); ++i) {
         const ImageFormat format = imageFormat(formats[i]);
-        text += fmt::format("#define APEIRON_TYPE_{0} {1}\n#define APEIRON_FORMAT_{0} {2}\n#define APEIRON_IMAGE_{0} {3}\n",
-                            i, outputs[i].type, format.layout, format.type);
+        text +=
+            fmt::format("#define APEIRON_TYPE_{0} {1}\n#define APEIRON_FORMAT_{0} {2}\n#define APEIRON_IMAGE_{0} {3}\n",
+                        i, outputs[i].type, format.layout, format.type);
     }
     text += "uniform ivec4 apeiron_map;    // origin and offset of the pixel map\n"
             "uniform int apeiron_stride;\n"
             "uniform ivec2 apeiron_size;   // of the picture [px]\n";
+    text += "#line 1 0\n"; // ShaderSource knows where each of its lines came from
     text += source.text();
     const std::string_view epilogue = stage == Stage::Compute ? "gpu/glsl/compute.glsl" : "gpu/glsl/fragment.glsl";
-    // A file number of its own, so that no error of a kernel's is ever blamed on it.
-    text += "#line 1 1000\n";
     text += findResource(epilogue).value().text;
     return text;
 }
@@ -114,18 +124,20 @@ Kernel::Kernel(const Context& context, const std::string& label, const ShaderSou
                     "use the fragment stage");
     }
     if (source.outputs().size() != formats_.size() || formats_.empty() || formats_.size() > 4) {
-        throw Error(ErrorKind::BadInput,
-                    fmt::format("kernel_main must have {} 'out' parameters, has {}", formats_.size(),
-                                source.outputs().size()),
-                    label);
+        throw Error(
+            ErrorKind::BadInput,
+            fmt::format("kernel_main must have {} 'out' parameters, has {}", formats_.size(), source.outputs().size()),
+            label);
     }
     const std::string_view version = stage == Stage::Fragment ? "300 es" : (c.es ? "310 es" : "430");
     program_ = glCreateProgram();
     const auto fail = [&](const std::string& log) -> Error {
         glDeleteProgram(program_);
+        nativeProblem(); // debug contexts keep the same complaint for the next check()
         const bool user = source.blamesUser(log);
         return Error(user ? ErrorKind::BadInput : ErrorKind::Gpu,
-                     user ? source.mapLog(log) : fmt::format("kernel '{}' does not compile: {}", label, source.mapLog(log)));
+                     user ? source.mapLog(log)
+                          : fmt::format("kernel '{}' does not compile: {}", label, source.mapLog(log)));
     };
     const Shader main(stage == Stage::Compute ? GL_COMPUTE_SHADER : GL_FRAGMENT_SHADER,
                       stageText(source, stage, formats_, version));
@@ -179,13 +191,27 @@ int Kernel::location(std::string_view name) {
     return it->second;
 }
 
-void Kernel::set(std::string_view name, bool value) { set(name, value ? 1 : 0); }
-void Kernel::set(std::string_view name, int value) { glUniform1i(location(name), value); }
-void Kernel::set(std::string_view name, std::uint32_t value) { glUniform1ui(location(name), value); }
-void Kernel::set(std::string_view name, float value) { glUniform1f(location(name), value); }
-void Kernel::set(std::string_view name, glm::ivec2 value) { glUniform2i(location(name), value.x, value.y); }
-void Kernel::set(std::string_view name, glm::vec2 value) { glUniform2f(location(name), value.x, value.y); }
-void Kernel::set(std::string_view name, glm::vec3 value) { glUniform3f(location(name), value.x, value.y, value.z); }
+void Kernel::set(std::string_view name, bool value) {
+    set(name, value ? 1 : 0);
+}
+void Kernel::set(std::string_view name, int value) {
+    glUniform1i(location(name), value);
+}
+void Kernel::set(std::string_view name, std::uint32_t value) {
+    glUniform1ui(location(name), value);
+}
+void Kernel::set(std::string_view name, float value) {
+    glUniform1f(location(name), value);
+}
+void Kernel::set(std::string_view name, glm::ivec2 value) {
+    glUniform2i(location(name), value.x, value.y);
+}
+void Kernel::set(std::string_view name, glm::vec2 value) {
+    glUniform2f(location(name), value.x, value.y);
+}
+void Kernel::set(std::string_view name, glm::vec3 value) {
+    glUniform3f(location(name), value.x, value.y, value.z);
+}
 void Kernel::set(std::string_view name, glm::vec4 value) {
     glUniform4f(location(name), value.x, value.y, value.z, value.w);
 }
@@ -218,14 +244,29 @@ void Kernel::setParameters(std::string_view slot, const parameter::Node& node) {
         if (binding.slot != slot) continue;
         const parameter::Value& value = node.value(binding.parameter);
         switch (node.schema().at(binding.parameter).type) {
-        case parameter::Type::Bool: set(binding.uniform, std::get<bool>(value)); break;
-        case parameter::Type::Int: set(binding.uniform, static_cast<int>(std::get<std::int64_t>(value))); break;
-        case parameter::Type::Float: set(binding.uniform, static_cast<float>(std::get<double>(value))); break;
-        case parameter::Type::Vec2: set(binding.uniform, glm::vec2(std::get<glm::dvec2>(value))); break;
-        case parameter::Type::Vec3: set(binding.uniform, glm::vec3(std::get<glm::dvec3>(value))); break;
-        case parameter::Type::Vec4: set(binding.uniform, glm::vec4(std::get<glm::dvec4>(value))); break;
-        case parameter::Type::Choice: set(binding.uniform, node.choice(binding.parameter)); break;
-        default: assert(false);
+        case parameter::Type::Bool:
+            set(binding.uniform, std::get<bool>(value));
+            break;
+        case parameter::Type::Int:
+            set(binding.uniform, static_cast<int>(std::get<std::int64_t>(value)));
+            break;
+        case parameter::Type::Float:
+            set(binding.uniform, static_cast<float>(std::get<double>(value)));
+            break;
+        case parameter::Type::Vec2:
+            set(binding.uniform, glm::vec2(std::get<glm::dvec2>(value)));
+            break;
+        case parameter::Type::Vec3:
+            set(binding.uniform, glm::vec3(std::get<glm::dvec3>(value)));
+            break;
+        case parameter::Type::Vec4:
+            set(binding.uniform, glm::vec4(std::get<glm::dvec4>(value)));
+            break;
+        case parameter::Type::Choice:
+            set(binding.uniform, node.choice(binding.parameter));
+            break;
+        default:
+            assert(false);
         }
     }
 }
@@ -249,7 +290,8 @@ void Kernel::run(const Targets& targets, const Region& region, glm::ivec2 size, 
                                imageFormat(formats_[i]).internal);
         }
         glUniform4i(location("apeiron_region"), region.origin.x, region.origin.y, region.size.x, region.size.y);
-        glDispatchCompute((static_cast<GLuint>(region.size.x) + 7) / 8, (static_cast<GLuint>(region.size.y) + 7) / 8, 1);
+        glDispatchCompute((static_cast<GLuint>(region.size.x) + 7) / 8, (static_cast<GLuint>(region.size.y) + 7) / 8,
+                          1);
         glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT |
                         GL_TEXTURE_UPDATE_BARRIER_BIT | GL_PIXEL_BUFFER_BARRIER_BIT);
         return;
@@ -266,6 +308,8 @@ void Kernel::run(const Targets& targets, const Region& region, glm::ivec2 size, 
     glBindVertexArray(0);
 }
 
-void Kernel::run(const Targets& targets) { run(targets, {{0, 0}, targets.size()}, targets.size()); }
+void Kernel::run(const Targets& targets) {
+    run(targets, {{0, 0}, targets.size()}, targets.size());
+}
 
 } // namespace apeiron::gpu

@@ -37,7 +37,8 @@ std::string stageText(const ShaderSource& source, Stage stage, const std::vector
 
 /// GLSL that computes one pixel, `void kernel_main(ivec2 pixel, out vec4 a, ...)`, compiled for a stage.
 ///
-/// Pixels count from the top left. Outputs are at most 4; earlier state is read with texelFetch. Needs its context current.
+/// Pixels count from the top left. Outputs are at most 4; earlier state is read with texelFetch. Needs its context
+/// current.
 class Kernel {
   public:
     /// @param label for driver tools and messages

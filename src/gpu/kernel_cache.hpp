@@ -12,7 +12,7 @@ class KernelCache {
   public:
     explicit KernelCache(const Context& context) : context_(context) {}
 
-    /// The kernel of that source, stage and formats; compiled, and made ready to run, if it is not there yet.
+    /// The kernel of that source, stage and formats; compiled if it is not there yet.
     /// @throws as Kernel's constructor.
     std::shared_ptr<Kernel> get(const std::string& label, const ShaderSource& source, Stage stage,
                                 const std::vector<PixelFormat>& formats);

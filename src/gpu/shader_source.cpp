@@ -13,22 +13,30 @@
 namespace apeiron::gpu {
 namespace {
 
-bool isIdentifierStart(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_'; }
-bool isIdentifier(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+bool isIdentifierStart(char c) {
+    return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_';
+}
+bool isIdentifier(char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+}
 
 /// The identifier that starts at `i`.
 std::string_view identifierAt(std::string_view text, std::size_t i) {
     std::size_t end = i;
-    while (end < text.size() && isIdentifier(text[end])) ++end;
+    while (end < text.size() && isIdentifier(text[end]))
+        ++end;
     return text.substr(i, end - i);
 }
 
 std::size_t skipSpace(std::string_view text, std::size_t i) {
-    while (i < text.size() && std::isspace(static_cast<unsigned char>(text[i])) != 0) ++i;
+    while (i < text.size() && std::isspace(static_cast<unsigned char>(text[i])) != 0)
+        ++i;
     return i;
 }
 
-char charAt(std::string_view text, std::size_t i) { return i < text.size() ? text[i] : '\0'; }
+char charAt(std::string_view text, std::size_t i) {
+    return i < text.size() ? text[i] : '\0';
+}
 
 } // namespace
 
@@ -37,7 +45,8 @@ std::string withoutComments(std::string_view text) {
     for (std::size_t i = 0; i + 1 < out.size(); ++i) {
         if (out[i] != '/') continue;
         if (out[i + 1] == '/') {
-            while (i < out.size() && out[i] != '\n') out[i++] = ' ';
+            while (i < out.size() && out[i] != '\n')
+                out[i++] = ' ';
         } else if (out[i + 1] == '*') {
             const std::size_t end = std::min(out.find("*/", i + 2), out.size() - 2) + 2;
             for (; i < end; ++i) {
@@ -79,7 +88,8 @@ std::set<std::string> globalNames(std::string_view source) {
             const char after = charAt(text, behind);
             if (depth == 0 && word == "precision") naming = false;
             // In `const float[3] name` the word before the bracket is the type.
-            const bool type = after == '[' && isIdentifierStart(charAt(text, skipSpace(text, text.find(']', behind) + 1)));
+            const bool type =
+                after == '[' && isIdentifierStart(charAt(text, skipSpace(text, text.find(']', behind) + 1)));
             if (depth == 0 && declaring && naming && !type && !previous.empty() &&
                 (after == '(' || after == '=' || after == ';' || after == '[' || after == ',' ||
                  (after == '{' && previous == "struct")) &&
@@ -151,9 +161,12 @@ std::string glslLiteral(const parameter::Parameter& p, const parameter::Value& v
         return text;
     };
     switch (p.type) {
-    case parameter::Type::Bool: return std::get<bool>(value) ? "true" : "false";
-    case parameter::Type::Int: return fmt::format("{}", std::get<std::int64_t>(value));
-    case parameter::Type::Float: return number(std::get<double>(value));
+    case parameter::Type::Bool:
+        return std::get<bool>(value) ? "true" : "false";
+    case parameter::Type::Int:
+        return fmt::format("{}", std::get<std::int64_t>(value));
+    case parameter::Type::Float:
+        return number(std::get<double>(value));
     case parameter::Type::Choice: {
         const auto it = std::find(p.choices.begin(), p.choices.end(), std::get<std::string>(value));
         return fmt::format("{}", it - p.choices.begin());
@@ -170,45 +183,33 @@ std::string glslLiteral(const parameter::Parameter& p, const parameter::Value& v
         const auto& v = std::get<glm::dvec4>(value);
         return fmt::format("vec4({}, {}, {}, {})", number(v.x), number(v.y), number(v.z), number(v.w));
     }
-    default: throw Error(ErrorKind::BadInput, fmt::format("'{}' cannot be a GLSL value", p.name), p.where);
+    default:
+        throw Error(ErrorKind::BadInput, fmt::format("'{}' cannot be a GLSL value", p.name), p.where);
     }
-}
-
-std::size_t ShaderSource::fileIndex(const std::string& name, bool embedded) {
-    for (std::size_t i = 0; i < files_.size(); ++i) {
-        if (files_[i].name == name) return i;
-    }
-    files_.push_back({name, embedded});
-    return files_.size() - 1;
 }
 
 void ShaderSource::append(const std::string& name, bool embedded, const std::string& text) {
-    const std::size_t index = fileIndex(name, embedded);
+    files_.push_back({name, embedded});
+    const std::size_t file = files_.size() - 1;
     static const std::regex kInclude(R"(^\s*#\s*include\s+"([^"]+)\"\s*$)");
     static const std::regex kPragma(R"(^\s*#\s*pragma\s+apeiron\b.*)");
-    text_ += fmt::format("#line 1 {}\n", index);
     std::istringstream lines(text);
     std::string line;
     for (int number = 1; std::getline(lines, line); ++number) {
         std::smatch match;
         if (line.find('#') != std::string::npos && std::regex_match(line, match, kInclude)) {
             const std::string path = match[1];
-            if (included_.contains(path)) {
-                text_ += '\n';
-                continue;
-            }
-            if (!findResource(path)) {
+            if (!included_.contains(path) && !findResource(path)) {
                 throw Error(ErrorKind::BadInput, fmt::format("cannot include \"{}\"", path),
                             fmt::format("{}:{}", name, number), "include paths are relative to src/");
             }
             addFile(path);
-            text_ += fmt::format("#line {} {}\n", number + 1, index);
-        } else if (line.find("pragma") != std::string::npos && std::regex_match(line, kPragma)) {
-            text_ += '\n';
-        } else {
-            text_ += line;
-            text_ += '\n';
+            continue;
         }
+        if (line.find("pragma") != std::string::npos && std::regex_match(line, kPragma)) continue;
+        text_ += line;
+        text_ += '\n';
+        places_.push_back({file, number});
     }
 }
 
@@ -220,11 +221,12 @@ void ShaderSource::addFile(std::string_view path) {
     append(std::string(path), true, withoutComments(resource->text));
 }
 
-void ShaderSource::addText(const std::string& name, const std::string& text) { append(name, true, text); }
+void ShaderSource::addText(const std::string& name, const std::string& text) {
+    append(name, true, text);
+}
 
 void ShaderSource::addModule(const parameter::GlslModule& module, const std::string& prefix,
-                             const parameter::Node& node, const std::string& slot,
-                             bool specialise, Rename rename) {
+                             const parameter::Node& node, const std::string& slot, bool specialise, Rename rename) {
     if (module.embedded && !included_.insert(module.file).second) return;
     std::string text = withoutComments(module.source);
     std::set<std::string> names;
@@ -232,16 +234,17 @@ void ShaderSource::addModule(const parameter::GlslModule& module, const std::str
         names = globalNames(text);
         names.erase("kernel_main");
     } else {
-        for (const parameter::Parameter& p : module.parameters) names.insert(p.name);
+        for (const parameter::Parameter& p : module.parameters)
+            names.insert(p.name);
     }
     text = withPrefix(text, names, prefix);
     for (const parameter::Parameter& p : module.parameters) {
         const std::string uniform = prefix + p.name;
         if (specialise || p.invalidates == parameter::Invalidates::Program) {
-            const std::regex declaration(fmt::format(R"(\buniform\s+((?:(?:high|medium|low)p\s+)?\w+)\s+{}\s*;)", uniform));
+            const std::regex declaration(
+                fmt::format(R"(\buniform\s+((?:(?:high|medium|low)p\s+)?\w+)\s+{}\s*;)", uniform));
             text = std::regex_replace(text, declaration,
-                                      fmt::format("const $1 {} = {};", uniform,
-                                                  glslLiteral(p, node.value(p.name))));
+                                      fmt::format("const $1 {} = {};", uniform, glslLiteral(p, node.value(p.name))));
         } else {
             bindings_.push_back({uniform, p.name, slot});
         }
@@ -262,38 +265,46 @@ std::vector<ShaderSource::Output> ShaderSource::outputs() const {
     return outputs;
 }
 
-std::vector<ShaderSource::Place> ShaderSource::parseLog(const std::string& log) const {
+std::vector<ShaderSource::Mistake> ShaderSource::parseLog(const std::string& log) const {
     // Mesa: "0:12(5): error: ...", ANGLE and glslang: "ERROR: 0:12: ...", NVIDIA: "0(12) : error C1008: ...".
-    static const std::regex kMesa(R"(^(\d{1,9}):(\d{1,9})\(\d+\): (?:\w+ )?error: (.*)$)");
-    static const std::regex kAngle(R"(^ERROR: (\d{1,9}):(\d{1,9}): (.*)$)");
-    static const std::regex kNvidia(R"(^(\d{1,9})\((\d{1,9})\) : error (.*)$)");
-    std::vector<Place> places;
+    // The file's number is of no use: Mesa loses it for all but syntax errors. Hence lines of the whole text.
+    static const std::regex kMesa(R"(^\d+:(\d{1,9})\(\d+\): (?:\w+ )?error: (.*)$)");
+    static const std::regex kAngle(R"(^ERROR: \d+:(\d{1,9}): (.*)$)");
+    static const std::regex kNvidia(R"(^\d+\((\d{1,9})\) : error (.*)$)");
+    std::vector<Mistake> mistakes;
     std::istringstream lines(log);
     std::string line;
     while (std::getline(lines, line)) {
         std::smatch match;
         for (const std::regex* pattern : {&kMesa, &kAngle, &kNvidia}) {
             if (!std::regex_match(line, match, *pattern)) continue;
-            const auto file = static_cast<std::size_t>(std::stoul(match[1]));
-            if (file < files_.size()) places.push_back({file, std::stoi(match[2]), match[3]});
+            const auto number = static_cast<std::size_t>(std::stoul(match[1]));
+            if (number >= 1 && number <= places_.size()) mistakes.push_back({places_[number - 1], match[2]});
             break;
         }
     }
-    return places;
+    return mistakes;
 }
 
 std::string ShaderSource::mapLog(const std::string& log) const {
-    const std::vector<Place> places = parseLog(log);
+    const std::vector<Mistake> mistakes = parseLog(log);
+    if (mistakes.empty()) return log;
     std::string out;
-    for (const Place& place : places) {
-        out += fmt::format("{}{}:{}: {}", out.empty() ? "" : "\n", files_[place.file].name, place.line, place.message);
+    if (files_[mistakes.front().place.file].embedded) {
+        for (const File& file : files_) {
+            if (!file.embedded) out += file.name + " does not fit: ";
+        }
     }
-    return out.empty() ? log : out;
+    for (const Mistake& mistake : mistakes) {
+        out += fmt::format("{}{}:{}: {}", &mistake == mistakes.data() ? "" : "\n", files_[mistake.place.file].name,
+                           mistake.place.line, mistake.message);
+    }
+    return out;
 }
 
 bool ShaderSource::blamesUser(const std::string& log) const {
-    const std::vector<Place> places = parseLog(log);
-    return !places.empty() && !files_[places.front().file].embedded;
+    return !parseLog(log).empty() &&
+           std::any_of(files_.begin(), files_.end(), [](const File& file) { return !file.embedded; });
 }
 
 } // namespace apeiron::gpu

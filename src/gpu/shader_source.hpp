@@ -33,8 +33,9 @@ class ShaderSource {
         Parameters, ///< its parameters only: a file that implements an interface by name
     };
 
-    /// Adds a module, with `prefix` before its names, so that modules never collide. Its parameters of class Program, or all of them if `specialise`, become
-    /// constants with `node`'s values; the others are bound to `slot`. A module that was included before is not added again.
+    /// Adds a module, with `prefix` before its names, so that modules never collide. Its parameters of class Program,
+    /// or all of them if `specialise`, become constants with `node`'s values; the others are bound to `slot`. A module
+    /// that was included before is not added again.
     void addModule(const parameter::GlslModule& module, const std::string& prefix, const parameter::Node& node,
                    const std::string& slot, bool specialise, Rename rename = Rename::All);
 
@@ -47,26 +48,31 @@ class ShaderSource {
     };
     std::vector<Output> outputs() const;
 
-    /// Rewrites a compiler's log so that places read file:line; the first error comes first, in one line.
+    /// Rewrites a compiler's log, whose lines count from the first of text(), so that places read file:line. A user's file
+    /// that is no place of an error itself but does not fit the engine's is named first.
     std::string mapLog(const std::string& log) const;
-    /// Whether the first error of the log stands in a file of the user's.
+    /// Whether a user's file is the reason for the errors of the log: the engine's own have none without it.
     bool blamesUser(const std::string& log) const;
 
   private:
-    struct Place {
-        std::size_t file;
-        int line;
-        std::string message;
-    };
-    std::vector<Place> parseLog(const std::string& log) const;
-    std::size_t fileIndex(const std::string& name, bool embedded);
-    void append(const std::string& name, bool embedded, const std::string& text);
-
     struct File {
         std::string name;
         bool embedded;
     };
+    /// Where a line of text_ came from.
+    struct Place {
+        std::size_t file;
+        int line;
+    };
+    struct Mistake {
+        Place place;
+        std::string message;
+    };
+    std::vector<Mistake> parseLog(const std::string& log) const;
+    void append(const std::string& name, bool embedded, const std::string& text);
+
     std::vector<File> files_;
+    std::vector<Place> places_; ///< of each line of text_
     std::set<std::string, std::less<>> included_;
     std::vector<UniformBinding> bindings_;
     std::string text_;

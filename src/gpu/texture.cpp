@@ -21,13 +21,20 @@ struct FormatInfo {
 
 FormatInfo info(PixelFormat format) {
     switch (format) {
-    case PixelFormat::R32F: return {GL_R32F, GL_RED, GL_FLOAT, 1, 4};
-    case PixelFormat::RG32F: return {GL_RG32F, GL_RG, GL_FLOAT, 2, 8};
-    case PixelFormat::RGBA32F: return {GL_RGBA32F, GL_RGBA, GL_FLOAT, 4, 16};
-    case PixelFormat::RGBA16F: return {GL_RGBA16F, GL_RGBA, GL_FLOAT, 4, 8};
-    case PixelFormat::RGBA8: return {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, 4, 4};
-    case PixelFormat::R32I: return {GL_R32I, GL_RED_INTEGER, GL_INT, 1, 4};
-    case PixelFormat::RG32I: return {GL_RG32I, GL_RG_INTEGER, GL_INT, 2, 8};
+    case PixelFormat::R32F:
+        return {GL_R32F, GL_RED, GL_FLOAT, 1, 4};
+    case PixelFormat::RG32F:
+        return {GL_RG32F, GL_RG, GL_FLOAT, 2, 8};
+    case PixelFormat::RGBA32F:
+        return {GL_RGBA32F, GL_RGBA, GL_FLOAT, 4, 16};
+    case PixelFormat::RGBA16F:
+        return {GL_RGBA16F, GL_RGBA, GL_FLOAT, 4, 8};
+    case PixelFormat::RGBA8:
+        return {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, 4, 4};
+    case PixelFormat::R32I:
+        return {GL_R32I, GL_RED_INTEGER, GL_INT, 1, 4};
+    case PixelFormat::RG32I:
+        return {GL_RG32I, GL_RG_INTEGER, GL_INT, 2, 8};
     }
     assert(false);
     return {};
@@ -62,7 +69,9 @@ class ReadBinding {
 
 } // namespace
 
-int bytesPerTexel(PixelFormat format) { return info(format).bytes; }
+int bytesPerTexel(PixelFormat format) {
+    return info(format).bytes;
+}
 
 Texture::Texture(const Context& context, PixelFormat format, glm::ivec2 size, const std::string& label)
     : format_(format), size_(size) {
@@ -118,9 +127,9 @@ Texture& Texture::operator=(Texture&& other) noexcept {
 
 void Texture::upload(std::span<const float> texels) {
     const FormatInfo f = info(format_);
-    assert(f.type == GL_FLOAT &&
-           texels.size() == static_cast<std::size_t>(size_.x) * static_cast<std::size_t>(size_.y) *
-                                static_cast<std::size_t>(f.channels));
+    assert(f.type == GL_FLOAT && texels.size() == static_cast<std::size_t>(size_.x) *
+                                                      static_cast<std::size_t>(size_.y) *
+                                                      static_cast<std::size_t>(f.channels));
     glBindTexture(GL_TEXTURE_2D, name_);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
     glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, size_.x, size_.y, f.format, f.type, texels.data());
@@ -132,7 +141,8 @@ Image<float> Texture::download() const {
     if (format_ == PixelFormat::RGBA8) {
         std::vector<std::uint8_t> bytes(image.data().size());
         glReadPixels(0, 0, size_.x, size_.y, GL_RGBA, GL_UNSIGNED_BYTE, bytes.data());
-        for (std::size_t i = 0; i < bytes.size(); ++i) image.data()[i] = static_cast<float>(bytes[i]) / 255.0F;
+        for (std::size_t i = 0; i < bytes.size(); ++i)
+            image.data()[i] = static_cast<float>(bytes[i]) / 255.0F;
     } else {
         glReadPixels(0, 0, size_.x, size_.y, GL_RGBA, GL_FLOAT, image.data().data());
     }

@@ -9,7 +9,9 @@ Timer::Timer(const Context& /*context*/) {}
 Timer::~Timer() = default;
 void Timer::start() const {}
 void Timer::stop() const {}
-double Timer::milliseconds() const { return static_cast<double>(query_); }
+double Timer::milliseconds() const {
+    return static_cast<double>(query_);
+}
 #else
 Timer::Timer(const Context& context) {
     if (context.capabilities().timers) glGenQueries(1, &query_);

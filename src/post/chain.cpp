@@ -40,8 +40,17 @@ Chain::Chain(const gpu::Context& context, gpu::KernelCache& cache, gpu::Stage st
     screen_ = stage == gpu::Stage::Fragment ? display_ : cache.get("display", source, gpu::Stage::Fragment, {kFloat4});
 }
 
+void Chain::warmUp(const scene::Scene& scene, const render::Picture& picture, const gpu::Targets& targets) {
+    run(scene, picture, targets, {}, {{0, 0}, {1, 1}}, {0, 0});
+}
+
 void Chain::run(const scene::Scene& scene, const render::Picture& picture, const gpu::Targets& targets,
                 const Display& display) {
+    run(scene, picture, targets, display, {{0, 0}, size_}, size_);
+}
+
+void Chain::run(const scene::Scene& scene, const render::Picture& picture, const gpu::Targets& targets,
+                const Display& display, const gpu::Region& region, glm::ivec2 size) {
     const gpu::Texture* color = &picture.radiance;
     std::size_t stop = 0;
     for (std::size_t i = 0; i < effects_.size(); ++i) {
@@ -52,7 +61,7 @@ void Chain::run(const scene::Scene& scene, const render::Picture& picture, const
         kernel.set("effect_geometry", picture.geometry);
         kernel.set("effect_albedo", picture.albedo);
         kernel.set("effect_size", size_);
-        kernel.run(stops_[stop]->targets);
+        kernel.run(stops_[stop]->targets, region, size);
         color = &stops_[stop]->color;
         stop = 1 - stop;
     }
@@ -65,7 +74,7 @@ void Chain::run(const scene::Scene& scene, const render::Picture& picture, const
     kernel.set("display_height", size_.y);
     kernel.set("display_background", display.background);
     kernel.set("display_opaque", display.opaque);
-    kernel.run(targets);
+    kernel.run(targets, region, size);
 }
 
 } // namespace apeiron::post

@@ -8,9 +8,9 @@ namespace apeiron::post {
 
 /// How the finished picture is quantised and composed.
 struct Display {
-    double dither = 0.0;  ///< one step of the output, e.g. 1/255; 0: none
-    bool flip = false;    ///< the target's first row is the bottom one (windows, canvases)
-    bool opaque = false;  ///< blend over `background` and write alpha 1
+    double dither = 0.0;        ///< one step of the output, e.g. 1/255; 0: none
+    bool flip = false;          ///< the target's first row is the bottom one (windows, canvases)
+    bool opaque = false;        ///< blend over `background` and write alpha 1
     glm::vec3 background{0.0F}; ///< linear, 0..1
 };
 
@@ -20,7 +20,8 @@ gpu::ShaderSource effectSource(const parameter::Node& effect);
 /// The kernel that ends the chain, with the tone mapper of the scene's `post` node: one output.
 gpu::ShaderSource displaySource(const parameter::Node& post);
 
-/// The post chain of a scene: its effects in order, HDR to HDR, then exposure, one tone mapper and sRGB. Needs its context current.
+/// The post chain of a scene: its effects in order, HDR to HDR, then exposure, one tone mapper and sRGB. Needs its
+/// context current.
 class Chain {
   public:
     /// Compiles the kernels of the scene's effects and tone mapper.
@@ -28,12 +29,18 @@ class Chain {
     Chain(const gpu::Context& context, gpu::KernelCache& cache, gpu::Stage stage, const scene::Scene& scene,
           glm::ivec2 size);
 
+    /// Runs the kernels over nothing, so that the driver has finished compiling them (see render::Renderer::warmUp).
+    void warmUp(const scene::Scene& scene, const render::Picture& picture, const gpu::Targets& targets);
+
     /// Runs the effects and writes display values in [0, 1] into the first of the targets.
     /// @param scene  with the same programs as at construction; its values are read now
     void run(const scene::Scene& scene, const render::Picture& picture, const gpu::Targets& targets,
              const Display& display);
 
   private:
+    void run(const scene::Scene& scene, const render::Picture& picture, const gpu::Targets& targets,
+             const Display& display, const gpu::Region& region, glm::ivec2 size);
+
     /// A picture between two effects.
     struct Stop {
         Stop(const gpu::Context& context, glm::ivec2 size);

@@ -22,10 +22,12 @@ void Accumulation::merge(const Accumulation& other) {
         const double n = a + b;
         const double share = b / n;
         for (std::size_t c = 0; c < 3; ++c) {
-            const double delta = static_cast<double>(other.mean.data()[i + c]) - static_cast<double>(mean.data()[i + c]);
+            const double delta =
+                static_cast<double>(other.mean.data()[i + c]) - static_cast<double>(mean.data()[i + c]);
             mean.data()[i + c] = static_cast<float>(static_cast<double>(mean.data()[i + c]) + delta * share);
-            spread.data()[i + c] = static_cast<float>(static_cast<double>(spread.data()[i + c]) +
-                                                      static_cast<double>(other.spread.data()[i + c]) + delta * delta * a * share);
+            spread.data()[i + c] =
+                static_cast<float>(static_cast<double>(spread.data()[i + c]) +
+                                   static_cast<double>(other.spread.data()[i + c]) + delta * delta * a * share);
         }
         mean.data()[i + 3] = static_cast<float>(n);
         const auto mix = [share](float& x, float y) {
@@ -41,7 +43,8 @@ void Accumulation::merge(const Accumulation& other) {
 
 std::int64_t Accumulation::samples() const {
     float most = 0.0F;
-    for (std::size_t i = 3; i < mean.data().size(); i += 4) most = std::max(most, mean.data()[i]);
+    for (std::size_t i = 3; i < mean.data().size(); i += 4)
+        most = std::max(most, mean.data()[i]);
     return static_cast<std::int64_t>(most);
 }
 

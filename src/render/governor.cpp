@@ -39,7 +39,9 @@ void Governor::report(std::int64_t pixels, double seconds) {
     }
 }
 
-void Governor::restart() { *this = Governor(); }
+void Governor::restart() {
+    *this = Governor();
+}
 
 gpu::Region TileCursor::take(std::int64_t texels) {
     assert(!done() && texels >= 1);

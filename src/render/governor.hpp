@@ -5,15 +5,16 @@
 namespace apeiron::render {
 
 /// Decides how much work to hand to the GPU at once, so that a step ends within its time budget and no submission
-/// comes near a driver's watchdog (2 s on common systems). It knows nothing beforehand: it starts with little, measures, and
-/// at most quadruples.
+/// comes near a driver's watchdog (2 s on common systems). It knows nothing beforehand: it starts with little,
+/// measures, and at most quadruples.
 class Governor {
   public:
     /// No submission is meant to take longer than this [s].
     static constexpr double kMaxSubmission = 0.25;
     static constexpr std::int64_t kFirstPixels = 4096;
 
-    /// How many pixels may be submitted now, when `remaining` seconds of the step are left; 0 when it is better to stop.
+    /// How many pixels may be submitted now, when `remaining` seconds of the step are left; 0 when it is better to
+    /// stop.
     /// @param mustWork nothing was done in this step yet: at least one pixel
     std::int64_t next(double remaining, bool mustWork) const;
 

@@ -4,7 +4,8 @@
 
 namespace apeiron::render {
 
-Interleave::Interleave(int factor) : factor_(factor), offsets_(static_cast<std::size_t>(factor * factor)) {
+Interleave::Interleave(int factor)
+    : factor_(factor), offsets_(static_cast<std::size_t>(factor) * static_cast<std::size_t>(factor)) {
     assert(factor == 1 || factor == 2 || factor == 4 || factor == 8);
     for (int y = 0; y < factor; ++y) {
         for (int x = 0; x < factor; ++x) {
@@ -17,7 +18,7 @@ Interleave::Interleave(int factor) : factor_(factor), offsets_(static_cast<std::
                 rank += weight * (bx == by ? static_cast<int>(bx) : (bx ? 2 : 3));
             }
             offsets_[static_cast<std::size_t>(rank)] = {x, y};
-            ranks_[static_cast<std::size_t>(y * 8 + x)] = rank;
+            ranks_[static_cast<std::size_t>(y) * 8 + static_cast<std::size_t>(x)] = rank;
         }
     }
 }

@@ -7,8 +7,8 @@
 
 namespace apeiron::render {
 
-/// The order in which the k x k interleaved sub-images of a picture are computed, so that every prefix covers it evenly:
-/// after 4^j of them, each 2^(log2 k - j) th pixel of both axes is there (Bayer's order, 1973).
+/// The order in which the k x k interleaved sub-images of a picture are computed, so that every prefix covers it
+/// evenly: after 4^j of them, each 2^(log2 k - j) th pixel of both axes is there (Bayer's order, 1973).
 class Interleave {
   public:
     /// @pre factor is 1, 2, 4 or 8

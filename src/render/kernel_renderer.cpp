@@ -44,7 +44,8 @@ class KernelRenderer : public Renderer {
           probeResult_(context, kFloat4, {1, 1}, "probe"), probeTargets_(context, {&probeResult_}) {
         const std::string name = scene.renderer.module("type").name;
         const std::string means = integratorOf(scene);
-        generate_ = cache.get(name, generateSource(scene, subject, options), options.stage, {kFloat4, kFloat4, kFloat4});
+        generate_ =
+            cache.get(name, generateSource(scene, subject, options), options.stage, {kFloat4, kFloat4, kFloat4});
         harmonicsKernel_ = cache.get("environment_sh", harmonicsSource(scene, options), options.stage, {kFloat4});
         integrate_ = cache.get("integrate " + means, integrateSource(means), options.stage,
                                {kFloat4, kFloat4, kFloat4, kFloat4});
@@ -66,6 +67,15 @@ class KernelRenderer : public Renderer {
         generate_->setParameters("renderer", scene.renderer);
         generate_->set("environment_sh", harmonics_);
         subject.bind(*generate_, scene);
+    }
+
+    void warmUp(const Picture& picture) override {
+        const gpu::Region one{{0, 0}, {1, 1}};
+        generate_->run(estimate_.targets, one, {0, 0});
+        for (gpu::Kernel* kernel : {integrate_.get(), present_.get()}) bindBuffers(*kernel, Interleave(1));
+        integrate_->run(back_->targets, one, {0, 0});
+        present_->run(picture.targets, one, {0, 0});
+        reset();
     }
 
     void reset() override { empty_ = true; }
@@ -108,8 +118,10 @@ class KernelRenderer : public Renderer {
 
   private:
     void bindBuffers(gpu::Kernel& kernel, const Interleave& interleave) {
-        for (std::size_t i = 0; i < kEstimate.size(); ++i) kernel.set(kEstimate[i], estimate_.textures[i]);
-        for (std::size_t i = 0; i < kAccumulator.size(); ++i) kernel.set(kAccumulator[i], front_->textures[i]);
+        for (std::size_t i = 0; i < kEstimate.size(); ++i)
+            kernel.set(kEstimate[i], estimate_.textures[i]);
+        for (std::size_t i = 0; i < kAccumulator.size(); ++i)
+            kernel.set(kAccumulator[i], front_->textures[i]);
         kernel.set("estimate_shift", interleave.shift());
         kernel.set("estimate_block", interleave.block(size_));
     }
@@ -133,8 +145,9 @@ class KernelRenderer : public Renderer {
 
 } // namespace
 
-std::unique_ptr<Renderer> makeRenderer(const gpu::Context& context, gpu::KernelCache& cache, const BuildOptions& options,
-                                       const scene::Scene& scene, const Subject& subject, glm::ivec2 size) {
+std::unique_ptr<Renderer> makeRenderer(const gpu::Context& context, gpu::KernelCache& cache,
+                                       const BuildOptions& options, const scene::Scene& scene, const Subject& subject,
+                                       glm::ivec2 size) {
     return std::make_unique<KernelRenderer>(context, cache, options, scene, subject, size);
 }
 

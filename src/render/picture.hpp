@@ -4,7 +4,8 @@
 
 namespace apeiron::render {
 
-/// What renderers present and effects work on: HDR radiance (premultiplied) with coverage; normal and depth; albedo and hit share.
+/// What renderers present and effects work on: HDR radiance (premultiplied) with coverage; normal and depth; albedo and
+/// hit share.
 struct Picture {
     Picture(const gpu::Context& context, glm::ivec2 size)
         : radiance(context, gpu::PixelFormat::RGBA32F, size, "picture radiance"),

@@ -9,8 +9,8 @@
 
 namespace apeiron::render {
 
-/// How a picture comes about, in four verbs (after Lesar, Bohak & Marolt 2018): reset | generate -> integrate -> present.
-/// The progressive loop drives them; each renderer owns the meaning of its buffers. Needs its context current.
+/// How a picture comes about, in four verbs (after Lesar, Bohak & Marolt 2018): reset | generate -> integrate ->
+/// present. The progressive loop drives them; each renderer owns the meaning of its buffers. Needs its context current.
 class Renderer {
   public:
     virtual ~Renderer() = default;
@@ -18,11 +18,15 @@ class Renderer {
     /// The scene's values have changed (camera, lights, parameters), but not its programs.
     virtual void setScene(const scene::Scene& scene, const View& view, const Subject& subject) = 0;
 
+    /// Runs every kernel over nothing, with its buffers bound: drivers finish compiling at the first draw, for the formats and
+    /// sizes of the textures that they meet there, and no step should wait for that. After setScene(); forgets all samples.
+    virtual void warmUp(const Picture& picture) = 0;
+
     /// Forgets all samples.
     virtual void reset() = 0;
 
-    /// Computes estimate number `sample` for a region of a sub-image. Estimates are laid out as one block per sub-image, so that
-    /// each is compact.
+    /// Computes estimate number `sample` for a region of a sub-image. Estimates are laid out as one block per
+    /// sub-image, so that each is compact.
     /// @param offset   the sub-image: its pixels are offset, offset + (factor, 0), ...
     /// @param region   of the block, from (0, 0)
     virtual void generate(std::uint32_t sample, const Interleave& interleave, glm::ivec2 offset,
@@ -42,9 +46,11 @@ class Renderer {
     virtual double distanceToSurface(const scene::Scene& scene, const Subject& subject) = 0;
 };
 
-/// A renderer whose verbs are kernels: `generate` from a module in a renderers/ folder, the others by its `integrate` tag.
-std::unique_ptr<Renderer> makeRenderer(const gpu::Context& context, gpu::KernelCache& cache, const BuildOptions& options,
-                                       const scene::Scene& scene, const Subject& subject, glm::ivec2 size);
+/// A renderer whose verbs are kernels: `generate` from a module in a renderers/ folder, the others by its `integrate`
+/// tag.
+std::unique_ptr<Renderer> makeRenderer(const gpu::Context& context, gpu::KernelCache& cache,
+                                       const BuildOptions& options, const scene::Scene& scene, const Subject& subject,
+                                       glm::ivec2 size);
 
 /// Bytes of GPU memory that makeRenderer() and a post chain take for each pixel.
 constexpr std::int64_t kBytesPerPixel = 16LL * (3 + 2 * 4 + 3 + 2 + 1);

@@ -25,7 +25,8 @@ class Subject {
     virtual std::set<std::string> provides() const = 0;
 
     /// Adds GLSL that implements an interface. @throws Error (BadInput) for a user's file that lacks what is needed.
-    virtual void addSource(gpu::ShaderSource& source, const parameter::Node& node, const BuildOptions& options) const = 0;
+    virtual void addSource(gpu::ShaderSource& source, const parameter::Node& node,
+                           const BuildOptions& options) const = 0;
 
     /// Sets the uniforms and textures behind that source. Positions in the shader are relative to the camera.
     virtual void bind(gpu::Kernel& kernel, const scene::Scene& scene) const = 0;

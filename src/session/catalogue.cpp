@@ -14,7 +14,8 @@ const std::vector<render::SubjectType>& subjectTypes() {
 std::shared_ptr<const scene::Catalogue> catalogue() {
     static const std::shared_ptr<const scene::Catalogue> kCatalogue = [] {
         auto all = std::make_shared<scene::Catalogue>();
-        for (const render::SubjectType& type : subjectTypes()) all->add(type.node);
+        for (const render::SubjectType& type : subjectTypes())
+            all->add(type.node);
         return all;
     }();
     return kCatalogue;

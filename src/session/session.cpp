@@ -54,18 +54,20 @@ void requireSize(const gpu::Context& context, glm::ivec2 size) {
 
 } // namespace
 
-Session::Session(const gpu::Context& context, Options options)
-    : Session(context, scene::Scene(catalogue()), std::move(options)) {}
+Session::Session(const gpu::Context& context, const Options& options)
+    : Session(context, scene::Scene(catalogue()), options) {}
 
-Session::Session(const gpu::Context& context, scene::Scene scene, Options options)
-    : context_(context), options_(std::move(options)), build_{chooseStage(context, options_), options_.specialise},
+Session::Session(const gpu::Context& context, scene::Scene scene, const Options& options)
+    : context_(context), options_(options), build_{chooseStage(context, options_), options_.specialise},
       scene_(std::move(scene)), cache_(context), timer_(context), interleave_(options_.interleave), cursor_({1, 1}) {
     apply(parameter::Invalidates::Program, true);
 }
 
 Session::~Session() = default;
 
-glm::ivec2 Session::size() const { return sizeOf(scene_); }
+glm::ivec2 Session::size() const {
+    return sizeOf(scene_);
+}
 
 void Session::apply(parameter::Invalidates what, bool sizeChanged) {
     using parameter::Invalidates;
@@ -101,7 +103,8 @@ void Session::apply(parameter::Invalidates what, bool sizeChanged) {
         subject_ = std::move(subject);
         subjectName_ = scene_.subject.type().name;
     }
-    if (renderer) renderer_ = std::move(renderer);
+    const bool fresh = renderer != nullptr;
+    if (fresh) renderer_ = std::move(renderer);
     chain_ = std::move(chain);
     stale_ = true;
     if (what == Invalidates::Program || sizeChanged) governor_.restart();
@@ -109,6 +112,10 @@ void Session::apply(parameter::Invalidates what, bool sizeChanged) {
         renderer_->setScene(scene_, render::View(scene_, size), *subject_);
         reset();
     }
+    const Phases::Scope scope(statistics_.phases, "compile");
+    if (fresh) renderer_->warmUp(*picture_);
+    chain_->warmUp(scene_, *picture_, displayTargets_);
+    context_.finish();
 }
 
 void Session::setScene(scene::Scene scene) {
@@ -255,7 +262,9 @@ double Session::progress() const {
     return std::min((block_ + (block_ < interleave_.count() ? inBlock : 0.0)) / blocks, 1.0);
 }
 
-double Session::noise() const { return accumulation().noise(); }
+double Session::noise() const {
+    return accumulation().noise();
+}
 
 void Session::present() {
     if (!stale_) return;
@@ -292,7 +301,9 @@ Session::Layers Session::layers() {
     return {picture_->radiance.download(), picture_->geometry.download(), picture_->albedo.download()};
 }
 
-render::Accumulation Session::accumulation() const { return renderer_->accumulation(); }
+render::Accumulation Session::accumulation() const {
+    return renderer_->accumulation();
+}
 
 std::optional<double> Session::distanceAt(glm::ivec2 pixel) {
     const glm::ivec2 last = size() - 1;
@@ -302,6 +313,8 @@ std::optional<double> Session::distanceAt(glm::ivec2 pixel) {
     return static_cast<double>(picture_->geometry.texel(inside).w);
 }
 
-double Session::distanceToSurface() { return renderer_->distanceToSurface(scene_, *subject_); }
+double Session::distanceToSurface() {
+    return renderer_->distanceToSurface(scene_, *subject_);
+}
 
 } // namespace apeiron::session

@@ -18,7 +18,8 @@ std::shared_ptr<const scene::Catalogue> catalogue();
 struct Options {
     /// Where kernels run; the default is what was measured to be faster on the kind of device.
     std::optional<gpu::Stage> stage;
-    /// Parameters become constants of the kernels: faster, but every edit of one compiles anew (see render::BuildOptions).
+    /// Parameters become constants of the kernels: faster, but every edit of one compiles anew (see
+    /// render::BuildOptions).
     bool specialise = true;
     /// Most pixels that are submitted at once; 0 leaves it to the governor. The picture does not depend on it.
     std::int64_t tilePixels = 0;
@@ -29,15 +30,15 @@ struct Options {
 
 /// What a step did.
 struct StepResult {
-    std::int64_t samples = 0;     ///< complete samples now
-    bool changed = false;         ///< show() would show something new
-    bool finished = false;        ///< output.samples, output.noise or output.time is reached: nothing left to do
+    std::int64_t samples = 0; ///< complete samples now
+    bool changed = false;     ///< show() would show something new
+    bool finished = false;    ///< output.samples, output.noise or output.time is reached: nothing left to do
 };
 
 /// What was done since the session was made.
 struct Statistics {
-    Phases phases;             ///< "compile", "generate", "integrate", "present", "post", "read"
-    std::int64_t pixels = 0;   ///< estimates of single pixels computed
+    Phases phases;           ///< "compile", "generate", "integrate", "present", "post", "read"
+    std::int64_t pixels = 0; ///< estimates of single pixels computed
     std::int64_t submissions = 0;
     double longestSubmission = 0.0; ///< [s]
 };
@@ -47,8 +48,8 @@ struct Statistics {
 class Session {
   public:
     /// Starts with the default scene. @param context must outlive the session.
-    explicit Session(const gpu::Context& context, Options options = {});
-    Session(const gpu::Context& context, scene::Scene scene, Options options = {});
+    explicit Session(const gpu::Context& context, const Options& options = {});
+    Session(const gpu::Context& context, scene::Scene scene, const Options& options = {});
     ~Session();
     Session(const Session&) = delete;
     Session& operator=(const Session&) = delete;
@@ -73,8 +74,8 @@ class Session {
     /// Forgets all samples.
     void reset();
 
-    /// Works for at most `budget` seconds [s] and returns; does at least one pixel's work when there is any. How much is
-    /// done at once follows from what was measured.
+    /// Works for at most `budget` seconds [s] and returns; does at least one pixel's work when there is any. How much
+    /// is done at once follows from what was measured.
     StepResult step(double budget);
 
     /// Complete samples of every pixel.
@@ -135,14 +136,14 @@ class Session {
     render::Governor governor_;
     render::Interleave interleave_;
     render::TileCursor cursor_;
-    int block_ = 0;              ///< sub-images of the sample in progress that are complete
-    bool pending_ = false;       ///< the sample in progress is computed but not integrated
+    int block_ = 0;        ///< sub-images of the sample in progress that are complete
+    bool pending_ = false; ///< the sample in progress is computed but not integrated
     double integrateSeconds_ = 0.0;
     std::int64_t samples_ = 0;
-    double seconds_ = 0.0;       ///< spent in step() since the last reset
+    double seconds_ = 0.0;        ///< spent in step() since the last reset
     std::int64_t noiseCheck_ = 8; ///< the sample count at which noise is looked at next
     bool noiseReached_ = false;
-    bool stale_ = true;          ///< picture_ does not show the present state
+    bool stale_ = true; ///< picture_ does not show the present state
     Statistics statistics_;
 };
 

@@ -39,7 +39,8 @@ Image<float> render(const std::string& path, gpu::Stage stage) {
     }
     const session::Session::Layers layers = session.layers();
     for (const Image<float>* layer : {&layers.radiance, &layers.geometry, &layers.albedo}) {
-        for (const float value : layer->data()) EXPECT_TRUE(std::isfinite(value));
+        for (const float value : layer->data())
+            EXPECT_TRUE(std::isfinite(value));
     }
     return session.picture();
 }
@@ -68,12 +69,14 @@ TEST_P(GalleryTest, shows_something_well_exposed) {
 }
 
 TEST_P(GalleryTest, is_the_same_from_both_stages) {
-    if (!context().capabilities().compute) GTEST_SKIP() << "no compute shaders on " << context().capabilities().renderer;
+    if (!context().capabilities().compute)
+        GTEST_SKIP() << "no compute shaders on " << context().capabilities().renderer;
     const Image<float> a = render(GetParam(), gpu::Stage::Fragment);
     const Image<float> b = render(GetParam(), gpu::Stage::Compute);
     // The same code for the same device: nothing but the order of independent pixels may differ.
     std::size_t different = 0;
-    for (std::size_t i = 0; i < a.data().size(); ++i) different += a.data()[i] != b.data()[i] ? 1 : 0;
+    for (std::size_t i = 0; i < a.data().size(); ++i)
+        different += a.data()[i] != b.data()[i] ? 1 : 0;
     EXPECT_EQ(different, 0U);
 }
 
