@@ -69,7 +69,7 @@ render::SubjectType subjectType() {
     formula.where = "src/fractal/fractal.cpp";
     return {{"subject",
              "fractal",
-             "A three-dimensional fractal given by a distance estimate.",
+             "A three-dimensional fractal given by a distance estimate",
              {formula},
              {"render/glsl/distance_surface.glsl", "fractal/fractal.glsl"}},
             [] { return std::unique_ptr<render::Subject>(new Fractal); }};
