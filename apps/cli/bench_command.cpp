@@ -74,6 +74,7 @@ Run runOnce(const Case& one, const DeviceOptions& options) {
 
 double median(const std::vector<Run>& runs, double Run::*what) {
     std::vector<double> values;
+    values.reserve(runs.size());
     for (const Run& run : runs)
         values.push_back(run.*what);
     std::sort(values.begin(), values.end());
@@ -93,6 +94,7 @@ int bench(const std::optional<std::string>& scene, const SceneOptions& edits, co
     Run last;
     for (const Case& one : cases) {
         std::vector<Run> runs;
+        runs.reserve(kRepetitions);
         for (int i = 0; i < kRepetitions; ++i)
             runs.push_back(runOnce(one, device));
         last = runs.back();
@@ -136,8 +138,8 @@ void addBenchCommand(CLI::App& app, Action& action) {
     const auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("bench", "Measure how fast this machine renders");
     command->footer("Example: apeiron bench mandelbulb --samples 16");
-    command->add_option("scene", options->scene, "A scene instead of the standard ones (see 'apeiron render --help')")
-        ->type_name("SCENE");
+    command->add_option("SCENE", options->scene, "A scene instead of the standard ones (see 'apeiron render --help')")
+        ->type_name("");
     options->edits.addTo(*command);
     options->device.addTo(*command);
     command->add_flag("--json", options->json, "Print JSON");

@@ -7,14 +7,12 @@
 // The subcommands: each adds its options to the parser and, when it is the one that was given, sets what to do.
 namespace apeiron::cli {
 
-/// What the program ends with.
-enum ExitCode : int {
-    kDone = 0,
-    kInternal = 1,      ///< anything that should not happen, such as no memory
-    kBadInput = 2,      ///< a wrong option, scene or file
-    kNoGpu = 3,         ///< no usable GPU context, or the GPU failed
-    kInterrupted = 130, ///< by the user; what there was is saved
-};
+// What the program ends with.
+inline constexpr int kDone = 0;
+inline constexpr int kInternal = 1;      ///< anything that should not happen, such as no memory
+inline constexpr int kBadInput = 2;      ///< a wrong option, scene or file
+inline constexpr int kNoGpu = 3;         ///< no usable GPU context, or the GPU failed
+inline constexpr int kInterrupted = 130; ///< by the user; what there was is saved
 
 /// Runs the chosen command. @returns an exit code. @throws Error
 using Action = std::function<int()>;

@@ -158,7 +158,7 @@ void addInfoCommand(CLI::App& app, Action& action) {
     const auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("info", "Say what a scene or a picture is made of");
     command->footer("Example: apeiron info out/mandelbulb.png");
-    command->add_option("scene", options->scene, kSceneHelp)->required()->type_name("SCENE");
+    command->add_option("SCENE", options->scene, kSceneHelp)->required()->type_name("");
     command->add_flag("--json", options->json, "Print JSON: the complete scene, and the image's figures");
     command->callback([options, &action] { action = [options] { return info(options->scene, options->json); }; });
 }
@@ -167,7 +167,7 @@ void addCheckCommand(CLI::App& app, Action& action) {
     const auto scenes = std::make_shared<std::vector<std::string>>();
     CLI::App* command = app.add_subcommand("check", "Validate scenes without rendering them");
     command->footer("Example: apeiron check scenes/*.json");
-    command->add_option("scenes", *scenes, kSceneHelp)->required()->type_name("SCENE");
+    command->add_option("SCENE", *scenes, kSceneHelp)->required()->type_name("");
     command->callback([scenes, &action] { action = [scenes] { return check(*scenes); }; });
 }
 

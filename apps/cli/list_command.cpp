@@ -99,9 +99,9 @@ void addListCommand(CLI::App& app, Action& action) {
     const auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("list", "List what there is to choose from");
     command->footer("Example: apeiron list formulas");
-    command->add_option("kind", options->kind, fmt::format("One of {}", fmt::join(kinds(), ", ")))
+    command->add_option("KIND", options->kind, fmt::format("One of {}", fmt::join(kinds(), ", ")))
         ->required()
-        ->type_name("KIND");
+        ->type_name("");
     command->add_flag("--json", options->json, "Print JSON");
     command->callback([options, &action] { action = [options] { return list(options->kind, options->json); }; });
 }

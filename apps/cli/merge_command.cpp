@@ -82,7 +82,7 @@ void addMergeCommand(CLI::App& app, Action& action) {
                     "  apeiron render scene.json -o a.exr --samples 64\n"
                     "  apeiron render scene.json -o b.exr --samples 64 --first-sample 64\n"
                     "  apeiron merge a.exr b.exr -o whole.exr");
-    command->add_option("files", options->inputs, "EXR files by 'apeiron render'")->required()->type_name("FILE");
+    command->add_option("FILE", options->inputs, "EXR files by 'apeiron render'")->required()->type_name("");
     command->add_option("-o,--output", options->output, "The EXR file to write")->required()->type_name("FILE");
     command->add_flag("-q,--quiet", options->quiet, "Print errors only");
     command->callback([options, &action] { action = [options] { return merge(*options); }; });

@@ -204,7 +204,7 @@ void addRenderCommand(CLI::App& app, Action& action) {
     const auto options = std::make_shared<RenderOptions>();
     CLI::App* command = app.add_subcommand("render", "Render a scene into image files");
     command->footer(kExamples);
-    command->add_option("scene", options->scene, kSceneHelp)->required()->type_name("SCENE");
+    command->add_option("SCENE", options->scene, kSceneHelp)->required()->type_name("");
     command
         ->add_option("-o,--output", options->outputs,
                      "A file to write, by extension: .png, .jpg, .exr (float layers and all samples); repeatable")

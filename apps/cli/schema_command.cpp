@@ -19,10 +19,6 @@ Everything that a scene can say, part by part. A scene document holds only what 
 shown (`present`), the `samples`, or the compiled `program`.
 )";
 
-std::string number(const Json& value) {
-    return value.is_null() ? "" : value.dump();
-}
-
 /// A text inside a table's cell: one line, no column breaks.
 std::string cell(std::string text) {
     for (std::size_t at = 0; (at = text.find_first_of("|\n", at)) != std::string::npos; at += 2)
@@ -32,6 +28,7 @@ std::string cell(std::string text) {
 
 std::string value(const Json& json) {
     if (json.is_string()) return json.get<std::string>();
+    if (json.is_number_float()) return fmt::format("{}", json.get<double>());
     if (!json.is_array()) return json.dump();
     std::string text;
     for (const Json& component : json)
@@ -52,8 +49,8 @@ std::string type(const Json& parameter) {
 }
 
 std::string range(const Json& parameter) {
-    const std::string least = parameter.contains("min") ? number(parameter["min"]) : "";
-    const std::string most = parameter.contains("max") ? number(parameter["max"]) : "";
+    const std::string least = parameter.contains("min") ? value(parameter["min"]) : "";
+    const std::string most = parameter.contains("max") ? value(parameter["max"]) : "";
     const std::string unit = parameter.contains("unit") ? " " + parameter["unit"].get<std::string>() : "";
     if (least.empty() && most.empty()) return unit.empty() ? "" : unit.substr(1);
     return fmt::format("{} to {}{}", least, most, unit);
@@ -69,6 +66,13 @@ std::string parameterTable(const Json& parameters) {
     return text;
 }
 
+/// Without the full stop, for a sentence that goes on.
+std::string phrase(std::string doc) {
+    while (doc.ends_with('.'))
+        doc.pop_back();
+    return doc;
+}
+
 /// The reference page of all parameters.
 std::string markdown(const Json& schema) {
     std::string text = kHead;
@@ -77,7 +81,7 @@ std::string markdown(const Json& schema) {
         for (const auto& [name, type] : description["types"].items()) {
             const std::string path = role == "light" ? "lights.0" : role == "effect" ? "post.effects.0" : role;
             text += fmt::format("\n## {}{}\n\n{}. Path: `{}`{}\n\n{}", role, name.empty() ? "" : ": " + name,
-                                type["doc"].get<std::string>(), path + ".NAME", list ? " and so on." : ".",
+                                phrase(type["doc"].get<std::string>()), path + ".NAME", list ? " and so on." : ".",
                                 parameterTable(type["parameters"]));
         }
     }

@@ -38,7 +38,7 @@ float overBlack(float encoded, float alpha) {
 /// The nearest of the values 0..most; NaN becomes 0.
 template <class T> T quantised(float value, float most) {
     if (!(value > 0.0F)) return 0;
-    return static_cast<T>(std::min(value, 1.0F) * most + 0.5F);
+    return static_cast<T>(std::lround(std::min(value, 1.0F) * most));
 }
 
 bool isOpaque(const Image<float>& picture) {

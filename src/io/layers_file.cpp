@@ -78,6 +78,7 @@ std::optional<std::vector<SampleRange>> parseSamples(std::string_view text) {
 std::string encodeChannels(const render::Accumulation& accumulation, const Json& scene,
                            const std::vector<SampleRange>& samples) {
     std::vector<std::string> channels;
+    channels.reserve(kStored.size() + kDerived.size());
     for (const Stored& stored : kStored)
         channels.emplace_back(stored.name);
     channels.insert(channels.end(), kDerived.begin(), kDerived.end());

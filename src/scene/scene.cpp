@@ -110,6 +110,40 @@ bool Scene::operator==(const Scene& other) const {
            effects == other.effects && output == other.output;
 }
 
+namespace {
+
+parameter::Invalidates difference(const Node& from, const Node& to) {
+    if (from == to) return parameter::Invalidates::Nothing;
+    if (from.type().name != to.type().name) return parameter::Invalidates::Program;
+    parameter::Invalidates result = parameter::Invalidates::Nothing;
+    // Of parameters that only one of them has, the module that brings them says enough.
+    for (const parameter::Parameter& parameter : from.schema())
+        if (to.schema().find(parameter.name) != nullptr && from.value(parameter.name) != to.value(parameter.name))
+            result = strongest(result, parameter.invalidates);
+    return result;
+}
+
+/// @param count what another number of nodes makes stale
+parameter::Invalidates difference(const std::vector<Node>& from, const std::vector<Node>& to,
+                                  parameter::Invalidates count) {
+    parameter::Invalidates result = from.size() == to.size() ? parameter::Invalidates::Nothing : count;
+    for (std::size_t i = 0; i < std::min(from.size(), to.size()); ++i)
+        result = strongest(result, difference(from[i], to[i]));
+    return result;
+}
+
+} // namespace
+
+parameter::Invalidates difference(const Scene& from, const Scene& to) {
+    using parameter::Invalidates;
+    Invalidates result = difference(from.lights, to.lights, Invalidates::Samples);
+    result = strongest(result, difference(from.effects, to.effects, Invalidates::Present));
+    for (const auto part :
+         {&Scene::camera, &Scene::subject, &Scene::renderer, &Scene::environment, &Scene::post, &Scene::output})
+        result = strongest(result, difference(from.*part, to.*part));
+    return result;
+}
+
 parameter::Invalidates strongest(parameter::Invalidates a, parameter::Invalidates b) {
     return std::max(a, b);
 }

@@ -68,6 +68,9 @@ class Scene {
     std::shared_ptr<const Catalogue> catalogue_;
 };
 
+/// What going from one scene to another makes stale: the most far-reaching of all that differs.
+parameter::Invalidates difference(const Scene& from, const Scene& to);
+
 /// The more far-reaching of two (Program > Samples > Present > Nothing).
 parameter::Invalidates strongest(parameter::Invalidates a, parameter::Invalidates b);
 

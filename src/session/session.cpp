@@ -119,11 +119,12 @@ void Session::apply(parameter::Invalidates what, bool sizeChanged) {
 }
 
 void Session::setScene(scene::Scene scene) {
-    if (scene == scene_) return;
+    parameter::Invalidates what = scene::difference(scene_, scene);
+    if (what == parameter::Invalidates::Samples && build_.specialise) what = parameter::Invalidates::Program;
     const bool sizeChanged = sizeOf(scene) != sizeOf(scene_);
     std::swap(scene, scene_);
     try {
-        apply(parameter::Invalidates::Program, sizeChanged);
+        apply(what, sizeChanged);
     } catch (...) {
         std::swap(scene, scene_);
         throw;
@@ -150,6 +151,17 @@ parameter::Invalidates Session::set(std::string_view path, const Json& value, co
     return set(path, std::string_view(text), base);
 }
 
+void Session::setSpecialise(bool specialise) {
+    if (specialise == build_.specialise) return;
+    build_.specialise = specialise;
+    try {
+        apply(parameter::Invalidates::Program, false);
+    } catch (...) {
+        build_.specialise = !specialise;
+        throw;
+    }
+}
+
 void Session::setCamera(const scene::Camera& camera) {
     if (camera.node() == scene_.camera) return;
     // Projection and filter are uniforms too: no camera edit needs another program.
@@ -167,22 +179,22 @@ void Session::reset() {
     samples_ = 0;
     seconds_ = 0.0;
     noiseCheck_ = 8;
-    noiseReached_ = false;
+    noiseSeen_ = std::numeric_limits<double>::infinity();
     stale_ = true;
 }
 
-bool Session::limitReached() {
+bool Session::limitReached(double secondsOfStep) {
     const parameter::Node& output = scene_.output;
-    if (samples_ >= output.integer("samples") || noiseReached_) return true;
+    if (samples_ >= output.integer("samples")) return true;
     const double time = output.number("time");
-    if (time > 0.0 && seconds_ >= time && samples_ > 0) return true;
+    if (time > 0.0 && seconds_ + secondsOfStep >= time && samples_ > 0) return true;
     const double noiseTarget = output.number("noise");
     if (noiseTarget > 0.0 && samples_ >= noiseCheck_) {
-        noiseReached_ = noise() <= noiseTarget;
+        noiseSeen_ = noise();
         // Reading back takes time: look again when the noise can have fallen by a tenth.
         noiseCheck_ = samples_ + std::max<std::int64_t>(samples_ / 5, 1);
     }
-    return noiseReached_;
+    return noiseSeen_ <= noiseTarget;
 }
 
 double Session::timed(const char* phase, const std::function<void()>& work) {
@@ -241,7 +253,7 @@ StepResult Session::step(double budget) {
         renderer_->setScene(scene_, render::View(scene_, size()), *subject_);
         reset();
     }
-    while (!limitReached()) {
+    while (!limitReached(watch.seconds())) {
         const std::int64_t before = samples_;
         const int blockBefore = block_;
         if (!advance(budget - watch.seconds(), mustWork)) break;
@@ -251,7 +263,7 @@ StepResult Session::step(double budget) {
     }
     seconds_ += watch.seconds();
     result.samples = samples_;
-    result.finished = limitReached();
+    result.finished = limitReached(0.0);
     return result;
 }
 

@@ -8,6 +8,7 @@
 #include "scene/camera.hpp"
 
 #include <functional>
+#include <limits>
 #include <optional>
 
 namespace apeiron::session {
@@ -67,6 +68,11 @@ class Session {
     parameter::Invalidates set(std::string_view path, std::string_view text, const std::filesystem::path& base = {});
     parameter::Invalidates set(std::string_view path, const Json& value, const std::filesystem::path& base = {});
 
+    /// Makes parameters constants of the kernels, or uniforms again (see Options). Compiles at once; samples start
+    /// anew. Nothing changes when it throws. @throws Error
+    void setSpecialise(bool specialise);
+    bool specialised() const { return build_.specialise; }
+
     /// Moves the camera; samples start anew.
     void setCamera(const scene::Camera& camera);
     scene::Camera camera() const { return scene::Camera(scene_.camera); }
@@ -117,7 +123,7 @@ class Session {
     bool advance(double remaining, bool mustWork);
     /// Runs GPU work to its end and books its time under a phase; returns the wall time [s].
     double timed(const char* phase, const std::function<void()>& work);
-    bool limitReached();
+    bool limitReached(double secondsOfStep);
 
     const gpu::Context& context_;
     Options options_;
@@ -140,10 +146,10 @@ class Session {
     bool pending_ = false; ///< the sample in progress is computed but not integrated
     double integrateSeconds_ = 0.0;
     std::int64_t samples_ = 0;
-    double seconds_ = 0.0;        ///< spent in step() since the last reset
-    std::int64_t noiseCheck_ = 8; ///< the sample count at which noise is looked at next
-    bool noiseReached_ = false;
-    bool stale_ = true; ///< picture_ does not show the present state
+    double seconds_ = 0.0;                                       ///< spent in step() since the last reset
+    std::int64_t noiseCheck_ = 8;                                ///< the sample count at which noise is looked at next
+    double noiseSeen_ = std::numeric_limits<double>::infinity(); ///< when it was looked at last
+    bool stale_ = true;                                          ///< picture_ does not show the present state
     Statistics statistics_;
 };
 

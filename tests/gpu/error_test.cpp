@@ -106,10 +106,6 @@ TEST(UserFormula, mistakes_are_reported_at_their_line_with_the_compilers_words) 
 }
 
 TEST(UserFormula, lines_count_on_after_an_include) {
-    const auto error = errorWith(formulaWith("#include \"render/glsl/random.glsl\"\n    float x = 1;\n    y = x;"));
-    ASSERT_TRUE(error);
-    // random.glsl inside a function is the first mistake; what matters is that files keep their own numbers.
-    EXPECT_THAT(error->what(), HasSubstr(".glsl:"));
     const std::string source = "#include \"fractal/orbit.glsl\"\n#include \"render/glsl/random.glsl\"\n"
                                "uniform int iterations; //! 3 [1, 10] | How often\n"
                                "uniform float bailout;  //! 4 [1, 100] | How far\n"

@@ -168,8 +168,10 @@ TEST(SurfaceTrace, finds_spheres_where_they_are_and_misses_what_is_not_there) {
                 worst = std::max(worst, std::acos(std::min(glm::dot(n, glm::normalize(point)), 1.0)));
             }
         }
-        // Four differences of distances, each rounded to 2.4e-7 (positions are up to 4 large), over half a footprint.
-        EXPECT_LT(worst, 4.0 * 2.4e-7 / (0.5 * detail * pixelSize(scene) * 3.0)) << "normals [rad]";
+        // Four distances, each rounded to 2.4e-7 (positions are up to 4 large), over half a footprint h; and the
+        // curvature 1 of the sphere, which four taps feel over about half of h.
+        const double h = 0.5 * detail * pixelSize(scene) * 3.0;
+        EXPECT_LT(worst, 4.0 * 2.4e-7 / h + 0.7 * h) << "normals [rad]";
     }
 }
 
@@ -466,10 +468,23 @@ TEST(SoftShadow, by_one_ray_goes_from_dark_to_light_over_the_penumbra) {
             kernel.set("cover", static_cast<float>(cover));
             kernel.set("spread", static_cast<float>(spread));
         });
+    double previous = 0.0;
     for (int x = 0; x < 65; ++x) {
-        const double offset = (x - 32.0) / 16.0; // in radii of the sun
+        const double offset = (x - 32.0) / 16.0; // in radii of the sun, positive in the light
         const double visible = images[0].at(x, 0)[0];
-        fmt::print("{:.3f} {:.4f}\n", offset, visible);
+        EXPECT_GE(visible, previous) << offset;
+        // The estimate knows how near the one ray comes to the occluder, not how far it would go inside: its penumbra
+        // lies outside the geometric edge, where the true one reaches as far to both sides.
+        if (offset < -0.05) {
+            EXPECT_EQ(visible, 0.0) << offset;
+        }
+        if (offset > 1.2) {
+            EXPECT_EQ(visible, 1.0) << offset;
+        }
+        if (std::abs(offset - 0.5625) < 0.01) {
+            EXPECT_NEAR(visible, 0.5, 0.05);
+        }
+        previous = visible;
     }
 }
 
@@ -511,10 +526,14 @@ TEST_P(EveryBrdf, reflects_no_more_than_it_gets) {
     for (std::size_t i = 0; i < images[0].data().size(); i += 4) {
         const float* texel = images[0].data().data() + i;
         most = std::max(most, static_cast<double>(texel[0]));
-        EXPECT_LE(texel[0], 1.003) << "cosine " << texel[1] << " roughness " << texel[2] << " metalness " << texel[3];
+        // The sum over the hemisphere is good to 0.003. What GGX facets leave for the base under them is known by
+        // Karis' fit, which is up to 0.07 off at grazing angles; a metal has no base.
+        const bool fitted = std::string(GetParam().first) == "ggx" && texel[3] == 0.0F;
+        EXPECT_LE(texel[0], fitted ? 1.07 : 1.003)
+            << "cosine " << texel[1] << " roughness " << texel[2] << " metalness " << texel[3];
         EXPECT_GE(texel[0], 0.0F);
     }
-    fmt::print("most {}\n", most);
+    EXPECT_GT(most, 0.98) << "white is white";
 }
 
 TEST_P(EveryBrdf, does_not_care_which_way_light_goes) {
@@ -672,16 +691,21 @@ TEST(Picture, is_the_one_of_an_independent_ray_tracer) {
             const double v = spread / kTruth;
             const double error2 = v / kTruth + v / kSamples + 1e-9;
             const double difference = layers.radiance.at(x, y)[1] - mean;
+            const float hits = layers.albedo.at(x, y)[3];
+            if (hits > 0.0F && hits < 1.0F) {
+                // Surfaces are `detail` pixels too wide, at a contrast of up to 1.
+                ASSERT_LT(std::abs(difference), 6.0 * std::sqrt(error2) + 1.5 * kDetail) << x << "," << y;
+                continue;
+            }
+            ASSERT_LT(std::abs(difference), 6.0 * std::sqrt(error2)) << x << "," << y;
             sum += difference;
             variance += error2;
             squares += difference * difference / error2;
             ++counted;
-            ASSERT_LT(std::abs(difference), 6.0 * std::sqrt(error2) + 0.01) << x << "," << y;
         }
     }
-    fmt::print("bias z {:.2f}, rms z {:.3f}, mean difference {:.6f}\n", sum / std::sqrt(variance),
-               std::sqrt(squares / counted), sum / counted);
-    EXPECT_LT(std::abs(sum), 4.0 * std::sqrt(variance)) << "biased";
+    EXPECT_GT(counted, kSize * kSize * 9 / 10);
+    EXPECT_LT(std::abs(sum), 4.0 * std::sqrt(variance)) << "biased by " << sum / counted << " on average";
     EXPECT_LT(std::sqrt(squares / counted), 1.1);
     EXPECT_EQ(accumulation.samples(), kSamples);
 }

@@ -181,7 +181,7 @@ TEST(ShaderSource, knows_the_outputs_of_a_kernel) {
     EXPECT_EQ(outputs[1].name, "b");
 }
 
-/// Lines 1 and 2 are the engine's, 3 to 5 a user's (an include takes no line), 6 the engine's again.
+/// Files of the engine's about one of a user's, whose include was there before.
 ShaderSource threeFiles() {
     static const parameter::Node node =
         nodeOf("// a comment\n#include \"render/glsl/probe.glsl\"\nfloat f() { return 1; }\n");

@@ -11,11 +11,21 @@ vec3 brdf_phong(Material m, vec3 n, vec3 v, vec3 l) {
     float exponent = 2.0 / (alpha * alpha) - 2.0;
     vec3 f0 = mix(vec3(0.04), m.albedo, m.metalness);
     float lobe = pow(max(dot(reflect(-l, n), v), 0.0), max(exponent, 0.0)) * (exponent + 2.0) * 0.159154943;
-    return (m.albedo * ((1.0 - m.metalness) * 0.318309886) + f0 * lobe) * cosine;
+    return (m.albedo * (1.0 - f0) * ((1.0 - m.metalness) * 0.318309886) + f0 * lobe) * cosine;
+}
+
+// Part of a uniform environment that the microfacet layer reflects: the fit of Karis (2014, "Physically Based Shading on Mobile").
+vec3 brdf_environment(Material m, vec3 n, vec3 v) {
+    float nv = max(dot(n, v), 0.0);
+    vec4 r = m.roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
+    float a = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
+    vec2 ab = vec2(-1.04, 1.04) * a + r.zw;
+    return mix(vec3(0.04), m.albedo, m.metalness) * ab.x + ab.y;
 }
 
 // Microfacets: GGX distribution (Walter et al. 2007, eq. 33), height-correlated Smith masking (Heitz 2014, eq. 99),
-// Schlick's Fresnel (1994), over a Lambertian base.
+// Schlick's Fresnel (1994), over a Lambertian base: what the facets reflect of light from either direction does not reach it, so
+// that no more is reflected than arrives, and both directions can change places.
 vec3 brdf_ggx(Material m, vec3 n, vec3 v, vec3 l) {
     float nl = dot(n, l);
     if (nl <= 0.0) return vec3(0.0);
@@ -30,15 +40,7 @@ vec3 brdf_ggx(Material m, vec3 n, vec3 v, vec3 l) {
     float masking = 0.5 / (nl * sqrt(a2 + (1.0 - a2) * nv * nv) + nv * sqrt(a2 + (1.0 - a2) * nl * nl));
     vec3 f0 = mix(vec3(0.04), m.albedo, m.metalness);
     vec3 fresnel = f0 + (1.0 - f0) * pow(1.0 - lh, 5.0);
-    vec3 diffuse = m.albedo * (1.0 - m.metalness) * (1.0 - fresnel) * 0.318309886;
+    vec3 through = 1.0 - max(brdf_environment(m, n, v), brdf_environment(m, n, l));
+    vec3 diffuse = m.albedo * through * ((1.0 - m.metalness) * 0.318309886);
     return (diffuse + fresnel * (distribution * masking)) * nl;
-}
-
-// Part of a uniform environment that the microfacet layer reflects: the fit of Karis (2014, "Physically Based Shading on Mobile").
-vec3 brdf_environment(Material m, vec3 n, vec3 v) {
-    float nv = max(dot(n, v), 0.0);
-    vec4 r = m.roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
-    float a = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
-    vec2 ab = vec2(-1.04, 1.04) * a + r.zw;
-    return mix(vec3(0.04), m.albedo, m.metalness) * ab.x + ab.y;
 }

@@ -32,8 +32,9 @@ vec3 lit(ivec2 pixel, Hit hit, Material m, vec3 n, vec3 v) {
         sum += f;
     }
     if (sky_light <= 0.0) return sum;
-    vec3 diffuse = m.albedo * (brdf == 0 ? 1.0 : 1.0 - m.metalness);
     vec3 gloss = brdf == 0 ? vec3(0.0) : brdf_environment(m, n, v);
+    // What the surface reflects does not reach what is below it.
+    vec3 diffuse = m.albedo * (brdf == 0 ? vec3(1.0) : (1.0 - m.metalness) * (1.0 - gloss));
     vec3 mirror = reflect(-v, n);
     vec3 towards = normalize(mix(mirror, n, m.roughness * m.roughness));
     float open = 1.0;

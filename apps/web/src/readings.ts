@@ -1,0 +1,47 @@
+// The status line's words and numbers.
+import type { Status } from './protocol';
+
+export interface Reading {
+    key: string;
+    label: string;
+    value: string;
+}
+
+/** Three significant digits, without exponents where that reads well. */
+export function short(value: number): string {
+    if (value === 0) return '0';
+    const size = Math.abs(value);
+    if (size < 1e-3 || size >= 1e5) return value.toExponential(1).replace('e', ' e').replace('+', '');
+    return size >= 100 ? value.toFixed(0) : String(Number(value.toPrecision(3)));
+}
+
+export function milliseconds(ms: number): string {
+    if (ms >= 9950) return `${(ms / 1000).toFixed(0)} s`;
+    if (ms >= 1000) return `${(ms / 1000).toFixed(1)} s`;
+    return `${ms >= 10 ? ms.toFixed(0) : ms.toFixed(1)} ms`;
+}
+
+/** "ANGLE (NVIDIA, NVIDIA GeForce RTX 3060 (0x2504) Direct3D11 vs_5_0 ps_5_0, D3D11)" to "NVIDIA GeForce RTX 3060". */
+export function deviceName(renderer: string): string {
+    if (/swiftshader/i.test(renderer)) return 'SwiftShader';
+    if (/llvmpipe/i.test(renderer)) return 'llvmpipe';
+    const angle = /^ANGLE \((.*)\)$/.exec(renderer);
+    const parts = angle ? angle[1]!.split(', ') : [renderer];
+    const name = (parts[1] ?? parts[0]!).replace(/^ANGLE Metal Renderer: /, '');
+    return name.replace(/\s*(\(0x[0-9a-f]+\)|Direct3D.*|OpenGL.*|\/PCIe.*|,? or similar)/gi, '').trim() || renderer;
+}
+
+const kStates = { rendering: 'Rendering', finished: 'Finished', paused: 'Paused', lost: 'Context lost' };
+
+export function readingsOf(status: Status): Reading[] {
+    const { samples, limit, state, moving } = status;
+    const speed = moving ? `${status.fps.toFixed(0)} fps` : status.sampleMs > 0 ? milliseconds(status.sampleMs) : '–';
+    return [
+        { key: 'state', label: 'State', value: moving ? 'Moving' : kStates[state] },
+        { key: 'samples', label: 'Samples', value: `${samples} / ${limit}` },
+        { key: 'speed', label: moving ? 'Speed' : 'Per sample', value: speed },
+        { key: 'step', label: 'Step', value: milliseconds(status.stepMs) },
+        { key: 'size', label: 'Size', value: `${status.size.width} × ${status.size.height}` },
+        { key: 'distance', label: 'Distance', value: status.distance === null ? '–' : Number.isFinite(status.distance) ? short(status.distance) : '∞' },
+    ];
+}

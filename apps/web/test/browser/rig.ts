@@ -1,0 +1,174 @@
+// A browser that looks at the built page.
+import { execFileSync } from 'node:child_process';
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, statSync } from 'node:fs';
+import { createServer, type Server } from 'node:http';
+import type { AddressInfo } from 'node:net';
+import { tmpdir } from 'node:os';
+import { extname, join, normalize } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { chromium, type BrowserContext, type Page } from 'playwright-core';
+import type { ApeironPage } from '../../src/main';
+import { decodePng, type Picture } from '../png';
+
+declare global {
+    // In the page.
+    interface Window {
+        apeiron: ApeironPage;
+    }
+}
+
+const root = fileURLToPath(new URL('../../../..', import.meta.url));
+const dist = join(root, 'apps/web/dist');
+/** The page must work from any folder of a server. */
+const kFolder = '/some/folder/';
+
+export const native = process.env['APEIRON'] ?? join(root, `build/${process.env['APEIRON_PRESET'] ?? 'release'}/apps/cli/apeiron`);
+export const hasNative = existsSync(native);
+
+const kTypes: { [extension: string]: string } = {
+    '.html': 'text/html',
+    '.js': 'text/javascript',
+    '.css': 'text/css',
+    '.svg': 'image/svg+xml',
+    '.wasm': 'application/wasm',
+};
+
+function serve(): Promise<Server> {
+    if (!existsSync(join(dist, 'index.html')) || !existsSync(join(dist, 'engine/apeiron.wasm'))) {
+        throw new Error('the page is not built: run `cmake --build --preset web` and `npm run build` first');
+    }
+    const server = createServer((request, response) => {
+        const path = decodeURIComponent(new URL(request.url ?? '/', 'http://x').pathname);
+        const file = path.startsWith(kFolder) ? join(dist, normalize(path.slice(kFolder.length) || 'index.html')) : '';
+        if (!file.startsWith(dist) || !existsSync(file) || !statSync(file).isFile()) {
+            response.writeHead(404).end();
+            return;
+        }
+        // As strict as servers get: nothing from elsewhere, no eval.
+        const policy = "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; img-src 'self' data:";
+        response.writeHead(200, { 'Content-Type': kTypes[extname(file)] ?? 'application/octet-stream', 'Content-Security-Policy': policy });
+        response.end(readFileSync(file));
+    });
+    return new Promise((resolve) => server.listen(0, '127.0.0.1', () => resolve(server)));
+}
+
+export class Rig {
+    /** What the page complained about, and what it asked other servers for: both must stay empty. */
+    readonly complaints: string[] = [];
+
+    private constructor(
+        private readonly server: Server,
+        private readonly context: BrowserContext,
+        private readonly profile: string,
+        private readonly origin: string,
+    ) {}
+
+    static async start(): Promise<Rig> {
+        const server = await serve();
+        const profile = mkdtempSync(join(tmpdir(), 'apeiron-chromium-'));
+        const context = await chromium.launchPersistentContext(profile, {
+            executablePath: process.env['CHROMIUM'] ?? '/usr/bin/chromium',
+            headless: true,
+            viewport: { width: 1280, height: 800 },
+            acceptDownloads: true,
+            args: [
+                '--headless',
+                '--no-sandbox',
+                '--disable-quic',
+                '--no-first-run',
+                '--disable-background-networking',
+                '--disable-component-update',
+                '--disable-sync',
+            ],
+        });
+        return new Rig(server, context, profile, `http://127.0.0.1:${(server.address() as AddressInfo).port}`);
+    }
+
+    /** Opens the page and waits for its engine. */
+    async open(query: string): Promise<Page> {
+        const page = await this.context.newPage();
+        page.on('console', (message) => {
+            if (message.type() === 'error' || message.type() === 'warning') this.complaints.push(message.text());
+        });
+        page.on('pageerror', (error) => this.complaints.push(error.message));
+        page.on('request', (request) => {
+            const url = request.url();
+            if (!url.startsWith(this.origin) && !/^(blob|data):/.test(url)) this.complaints.push(`asked for ${url}`);
+        });
+        await page.goto(`${this.origin}${kFolder}?${query}`);
+        await page.evaluate(() => window.apeiron.ready);
+        return page;
+    }
+
+    async stop(): Promise<void> {
+        await this.context.close();
+        this.server.close();
+        rmSync(this.profile, { recursive: true, force: true });
+    }
+}
+
+export async function samples(page: Page, count: number): Promise<void> {
+    await page.waitForFunction((wanted) => window.apeiron.samples() >= wanted, count, { timeout: 90_000 });
+}
+
+export async function atRest(page: Page): Promise<void> {
+    await page.waitForFunction(() => window.apeiron.status()?.state === 'finished' && !window.apeiron.status()!.moving, null, {
+        timeout: 90_000,
+    });
+}
+
+export async function pixels(page: Page): Promise<Picture & { samples: number }> {
+    const result = await page.evaluate(async () => {
+        const { width, height, data, samples: count } = await window.apeiron.pixels();
+        let text = '';
+        for (const byte of data) text += String.fromCharCode(byte);
+        return { width, height, samples: count, base64: btoa(text) };
+    });
+    return { ...result, data: new Uint8Array(Buffer.from(result.base64, 'base64')) };
+}
+
+/** What the screen shows of the canvas. */
+export async function shown(page: Page): Promise<Picture> {
+    return decodePng(await page.locator('#view').screenshot());
+}
+
+export function screenshotPath(name: string): string {
+    const folder = join(root, 'out/web');
+    mkdirSync(folder, { recursive: true });
+    return join(folder, `${name}.png`);
+}
+
+/** The same scene by the native program. */
+export function renderNatively(scene: string, size: string, count: number): Picture {
+    const folder = mkdtempSync(join(tmpdir(), 'apeiron-native-'));
+    try {
+        const file = join(folder, 'picture.png');
+        execFileSync(native, ['render', scene, '--size', size, '--samples', String(count), '-o', file], { stdio: 'pipe' });
+        return decodePng(readFileSync(file));
+    } finally {
+        rmSync(folder, { recursive: true });
+    }
+}
+
+export interface Difference {
+    /** Mean absolute difference of all channels [1/255]. */
+    mean: number;
+    /** Part of the pixels with a channel that differs by more than 24/255. */
+    failing: number;
+}
+
+export function difference(a: Picture, b: Picture): Difference {
+    if (a.width !== b.width || a.height !== b.height) throw new Error(`${a.width}x${a.height} and ${b.width}x${b.height} differ in size`);
+    let [sum, failing] = [0, 0];
+    for (let i = 0; i < a.data.length; i += 4) {
+        let worst = 0;
+        for (let c = 0; c < 3; c++) {
+            const distance = Math.abs(a.data[i + c]! - b.data[i + c]!);
+            sum += distance;
+            worst = Math.max(worst, distance);
+        }
+        if (worst > 24) failing++;
+    }
+    const count = a.data.length / 4;
+    return { mean: sum / (3 * count), failing: failing / count };
+}

@@ -1,0 +1,128 @@
+// From radiance to what is shown.
+
+#include "gpu_support.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace apeiron::test {
+namespace {
+
+/// IEC 61966-2-1.
+double srgb(double linear) {
+    return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
+}
+
+/// A picture of nothing but the environment, whose radiance is `direction`'s when it is left to the axes.
+scene::Scene flat(double radiance) {
+    scene::Scene scene = darkSphere({24, 16});
+    scene.subject.set("formula", formulaOf("length(p - vec3(0.0, -50.0, 0.0)) - 1.0", 60.0));
+    scene.environment.set("color", glm::dvec3(radiance));
+    return scene;
+}
+
+void expectFlat(const Image<float>& picture, double value, double tolerance) {
+    for (std::size_t i = 0; i < picture.data().size(); i += 4) {
+        ASSERT_NEAR(picture.data()[i], value, tolerance) << "pixel " << i / 4;
+        ASSERT_EQ(picture.data()[i + 3], 1.0F);
+    }
+}
+
+TEST(Display, encodes_linear_radiance_as_srgb) {
+    for (const double radiance : {0.0, 0.001, 0.01, 0.18, 0.5, 0.999, 1.0, 7.0}) {
+        expectFlat(rendered(flat(radiance))->picture(), srgb(std::min(radiance, 1.0)), 2e-6);
+    }
+}
+
+TEST(Display, an_exposure_step_doubles_the_light) {
+    const auto session = rendered(flat(0.1));
+    for (const auto& [exposure, factor] :
+         {std::pair{"1", 2.0}, std::pair{"-2", 0.25}, std::pair{"0.5", std::sqrt(2.0)}}) {
+        session->set("post.exposure", std::string_view(exposure));
+        expectFlat(session->picture(), srgb(0.1 * factor), 2e-6);
+    }
+}
+
+TEST(Display, reinhards_curve_is_that_of_the_paper) {
+    scene::Scene scene = flat(0.7);
+    setAll(scene, {{"post.tonemapper", "reinhard"}, {"post.white", "3"}});
+    expectFlat(rendered(scene)->picture(), srgb(0.7 * (1.0 + 0.7 / 9.0) / 1.7), 2e-6);
+    setAll(scene, {{"environment.color", "3,3,3"}});
+    expectFlat(rendered(scene)->picture(), 1.0, 2e-6);
+    setAll(scene, {{"environment.color", "50,50,50"}});
+    expectFlat(rendered(scene)->picture(), 1.0, 2e-6);
+}
+
+TEST(Display, dither_is_within_half_a_step_and_adds_nothing) {
+    const auto session = rendered(flat(0.3));
+    const Image<float> plain = session->picture();
+    const Image<float> dithered = session->picture(1.0 / 255.0);
+    double sum = 0.0;
+    double most = 0.0;
+    for (std::size_t i = 0; i < plain.data().size(); ++i) {
+        if (i % 4 == 3) continue;
+        const double difference = static_cast<double>(dithered.data()[i]) - plain.data()[i];
+        sum += difference;
+        most = std::max(most, std::abs(difference));
+    }
+    EXPECT_LE(most, 0.5 / 255.0 + 1e-6);
+    EXPECT_GT(most, 0.4 / 255.0);
+    // Uniform over a step: deviation 1 / sqrt(12) of it.
+    const double n = static_cast<double>(plain.data().size()) * 0.75;
+    EXPECT_LT(std::abs(sum / n), 4.0 / 255.0 / std::sqrt(12.0 * n));
+}
+
+TEST(Effects, leave_a_picture_alone_at_strength_zero) {
+    for (const std::string& effect : parameter::moduleNames("effects")) {
+        scene::Scene scene = darkSphere({24, 16});
+        setAll(scene, {{"environment.type", "gradient"}});
+        const Image<float> before = rendered(scene)->picture();
+        parameter::Node node(scene.catalogue().type("effect", ""));
+        node.set("type", parameter::ModuleReference{effect, {}});
+        if (node.schema().find("strength") == nullptr) continue;
+        scene.effects.push_back(node);
+        scene.effects[0].set("enabled", false);
+        EXPECT_TRUE(identical(rendered(scene)->picture(), before)) << effect << " is off";
+        scene.effects[0].set("enabled", true);
+        EXPECT_FALSE(identical(rendered(scene)->picture(), before)) << effect << " is on";
+        scene.effects[0].set("strength", 0.0);
+        EXPECT_LT(largestDifference(rendered(scene)->picture(), before), 1e-6) << effect;
+    }
+}
+
+TEST(Effects, bloom_spreads_light_but_makes_none) {
+    scene::Scene scene = flat(0.4);
+    setAll(scene, {{"post.effects", R"([{"type": "bloom", "strength": 0.8, "radius": 0.2}])"}});
+    expectFlat(rendered(scene)->picture(), srgb(0.4), 2e-6);
+}
+
+TEST(Effects, vignette_is_the_cosine_to_the_fourth) {
+    scene::Scene scene = flat(0.4);
+    setAll(scene, {{"post.effects", R"([{"type": "vignette", "strength": 1}])"}});
+    const Image<float> picture = rendered(scene)->picture();
+    for (int y = 0; y < 16; ++y) {
+        for (int x = 0; x < 24; ++x) {
+            // A lens that sees 90 degrees from corner to corner: tangent 1 at the corners.
+            const double tangent = std::hypot(x + 0.5 - 12.0, y + 0.5 - 8.0) / std::hypot(12.0, 8.0);
+            const double cosine = std::cos(std::atan(tangent));
+            ASSERT_NEAR(picture.at(x, y)[0], srgb(0.4 * std::pow(cosine, 4.0)), 2e-6) << x << "," << y;
+        }
+    }
+}
+
+TEST(Effects, run_in_the_order_of_the_scene) {
+    scene::Scene scene = flat(0.4);
+    setAll(scene, {{"post.effects", R"([{"type": "vignette", "strength": 1}, {"type": "bloom", "strength": 1}])"}});
+    const Image<float> one = rendered(scene)->picture();
+    setAll(scene, {{"post.effects", R"([{"type": "bloom", "strength": 1}, {"type": "vignette", "strength": 1}])"}});
+    EXPECT_GT(largestDifference(one, rendered(scene)->picture()), 0.01);
+    setAll(
+        scene,
+        {{"post.effects",
+          R"([{"type": "vignette", "strength": 1}, {"type": "bloom", "enabled": false}, {"type": "bloom", "strength": 1}])"}});
+    EXPECT_TRUE(identical(one, rendered(scene)->picture())) << "a disabled one does not count";
+}
+
+} // namespace
+} // namespace apeiron::test
