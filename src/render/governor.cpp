@@ -12,9 +12,9 @@ std::int64_t Governor::next(double remaining, bool mustWork) const {
     if (cost_ > 0.0) {
         // Costs vary over a picture: plan for 1.5 times what was seen.
         const double affordable = (std::min(remaining, kMaxSubmission) - overhead_) / (1.5 * cost_);
-        pixels = std::min(pixels, static_cast<std::int64_t>(std::clamp(affordable, 0.0, 1e15)));
         // The rest of a step is not worth a submission whose fixed cost outweighs its work.
-        if (!mustWork && static_cast<double>(pixels) * cost_ < overhead_) return 0;
+        if (!mustWork && affordable * cost_ < overhead_) return 0;
+        pixels = std::min(pixels, static_cast<std::int64_t>(std::clamp(affordable, 0.0, 1e15)));
     }
     return mustWork ? std::max<std::int64_t>(pixels, 1) : pixels;
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <functional>
 #include <limits>
+#include <optional>
 
 namespace apeiron::render {
 namespace {
@@ -63,7 +64,12 @@ class KernelRenderer : public Renderer {
             view.upload(*kernel);
             kernel->setParameters("environment", scene.environment);
         }
-        harmonicsKernel_->run(harmonicsTargets_);
+        // Camera moves, the most frequent edits, leave the environment as it is.
+        if (!environment_ || *environment_ != scene.environment || lights_ != scene.lights) {
+            harmonicsKernel_->run(harmonicsTargets_);
+            environment_ = scene.environment;
+            lights_ = scene.lights;
+        }
         generate_->setParameters("renderer", scene.renderer);
         generate_->set("environment_sh", harmonics_);
         subject.bind(*generate_, scene);
@@ -72,7 +78,8 @@ class KernelRenderer : public Renderer {
     void warmUp(const Picture& picture) override {
         const gpu::Region one{{0, 0}, {1, 1}};
         generate_->run(estimate_.targets, one, {0, 0});
-        for (gpu::Kernel* kernel : {integrate_.get(), present_.get()}) bindBuffers(*kernel, Interleave(1));
+        for (gpu::Kernel* kernel : {integrate_.get(), present_.get()})
+            bindBuffers(*kernel, Interleave(1));
         integrate_->run(back_->targets, one, {0, 0});
         present_->run(picture.targets, one, {0, 0});
         reset();
@@ -104,6 +111,10 @@ class KernelRenderer : public Renderer {
     }
 
     Accumulation accumulation() const override {
+        if (empty_) {
+            const Image<float> nothing(size_.x, size_.y, 4);
+            return {nothing, nothing, nothing, nothing};
+        }
         const auto& t = front_->textures;
         return {t[0].download(), t[1].download(), t[2].download(), t[3].download()};
     }
@@ -133,6 +144,8 @@ class KernelRenderer : public Renderer {
     bool empty_ = true;
     gpu::Texture harmonics_;
     gpu::Targets harmonicsTargets_;
+    std::optional<parameter::Node> environment_; ///< what the harmonics were made of; skies also depend on lights
+    std::vector<parameter::Node> lights_;
     gpu::Texture probeResult_;
     gpu::Targets probeTargets_;
     std::shared_ptr<gpu::Kernel> generate_;

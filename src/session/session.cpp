@@ -118,9 +118,13 @@ void Session::apply(parameter::Invalidates what, bool sizeChanged) {
     context_.finish();
 }
 
-void Session::setScene(scene::Scene scene) {
-    parameter::Invalidates what = scene::difference(scene_, scene);
-    if (what == parameter::Invalidates::Samples && build_.specialise) what = parameter::Invalidates::Program;
+parameter::Invalidates Session::replace(scene::Scene scene, parameter::Invalidates what) {
+    // A specialised session's kernels hold these parts' values as constants; cameras, lights and sizes are uniforms
+    // always.
+    const bool constants =
+        scene.subject != scene_.subject || scene.renderer != scene_.renderer || scene.environment != scene_.environment;
+    if (what == parameter::Invalidates::Samples && build_.specialise && constants)
+        what = parameter::Invalidates::Program;
     const bool sizeChanged = sizeOf(scene) != sizeOf(scene_);
     std::swap(scene, scene_);
     try {
@@ -129,21 +133,18 @@ void Session::setScene(scene::Scene scene) {
         std::swap(scene, scene_);
         throw;
     }
+    return what;
+}
+
+void Session::setScene(scene::Scene scene) {
+    const parameter::Invalidates what = scene::difference(scene_, scene);
+    replace(std::move(scene), what);
 }
 
 parameter::Invalidates Session::set(std::string_view path, std::string_view text, const std::filesystem::path& base) {
     scene::Scene edited = scene_;
-    parameter::Invalidates what = edited.set(path, text, base);
-    if (what == parameter::Invalidates::Samples && build_.specialise) what = parameter::Invalidates::Program;
-    const bool sizeChanged = sizeOf(edited) != sizeOf(scene_);
-    std::swap(edited, scene_);
-    try {
-        apply(what, sizeChanged);
-    } catch (...) {
-        std::swap(edited, scene_);
-        throw;
-    }
-    return what;
+    const parameter::Invalidates what = edited.set(path, text, base);
+    return replace(std::move(edited), what);
 }
 
 parameter::Invalidates Session::set(std::string_view path, const Json& value, const std::filesystem::path& base) {

@@ -118,6 +118,8 @@ class Session {
     const Statistics& statistics() const { return statistics_; }
 
   private:
+    /// Takes another scene, of which `what` is stale; the old one stays when that throws. Returns what was made anew.
+    parameter::Invalidates replace(scene::Scene scene, parameter::Invalidates what);
     void apply(parameter::Invalidates what, bool sizeChanged);
     void present();
     bool advance(double remaining, bool mustWork);

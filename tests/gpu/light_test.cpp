@@ -308,6 +308,29 @@ TEST(Environment, irradiance_of_a_gradient_is_its_integral) {
     }
 }
 
+TEST(Environment, irradiance_of_a_quadratic_is_exact) {
+    // Harmonics up to degree 2 hold it all; a cosine keeps 2/3 of degree 1 and 1/4 of degree 2 (Ramamoorthi & Hanrahan
+    // 2001).
+    scene::Scene scene = darkSphere();
+    scene.environment.set("type", parameter::ModuleReference{"quadratic", R"(vec3 radiance(vec3 d) {
+    return vec3(1.0 + 0.9 * d.z, 1.0 + 0.9 * d.x - 0.4 * d.y, 1.0 + d.x * d.y + 0.8 * d.y * d.z + 0.2 * (3.0 * d.z * d.z - 1.0) +
+                                                                 0.5 * d.x * d.z + 0.3 * (d.x * d.x - d.y * d.y));
+}
+)"});
+    const auto layers = rendered(scene)->layers();
+    for (int y = 0; y < 64; ++y) {
+        for (int x = 0; x < 64; ++x) {
+            if (layers.albedo.at(x, y)[3] == 0.0F) continue;
+            const glm::dvec3 n = rgb(layers.geometry.at(x, y));
+            const glm::dvec3 expected(1.0 + 0.6 * n.z, 1.0 + 0.6 * n.x - 0.8 / 3.0 * n.y,
+                                      1.0 + 0.25 * (n.x * n.y + 0.8 * n.y * n.z + 0.2 * (3.0 * n.z * n.z - 1.0) +
+                                                    0.5 * n.x * n.z + 0.3 * (n.x * n.x - n.y * n.y)));
+            // The projection is a sum over 1,024 directions.
+            ASSERT_LT(glm::length(rgb(layers.radiance.at(x, y)) - kAlbedo * expected), 2e-3) << x << "," << y;
+        }
+    }
+}
+
 TEST(Environment, sampled_light_has_the_integral_as_its_mean) {
     scene::Scene scene = darkSphere();
     setAll(scene,

@@ -289,6 +289,22 @@ TEST(Governor, fills_steps_and_does_not_overrun_them_whatever_the_device) {
     }
 }
 
+TEST(Governor, fills_steps_with_many_samples_of_a_small_picture) {
+    for (const glm::ivec2 size : {glm::ivec2(16, 16), glm::ivec2(48, 32), glm::ivec2(256, 256)}) {
+        for (const double pixel : {1e-9, 1e-7}) {
+            Governor governor;
+            TileCursor cursor(size);
+            Device device{1e-4, pixel};
+            for (int i = 0; i < 20; ++i)
+                simulatedStep(governor, cursor, size, device, 0.01);
+            double sum = 0.0;
+            for (int i = 0; i < 20; ++i)
+                sum += simulatedStep(governor, cursor, size, device, 0.01);
+            EXPECT_GE(sum, 0.6 * 20 * 0.01) << size.x << "x" << size.y << ", " << pixel << " s a pixel";
+        }
+    }
+}
+
 TEST(Governor, no_submission_comes_near_a_watchdog_when_a_step_has_all_the_time) {
     for (const double pixel : {1e-9, 1e-7, 1e-5, 1e-4}) {
         Governor governor;
