@@ -84,14 +84,14 @@ fs::path behindLinks(const fs::path& path) {
     return error ? path : target;
 }
 
-void writeBytes(const fs::path& path, std::string_view content) {
+void writeBytes(const fs::path& path, std::string_view content, const fs::path& asked) {
     File file(std::fopen(path.c_str(), "wb"));
-    if (!file) fail("cannot be written: " + reason(errno), path);
+    if (!file) fail("cannot be written: " + reason(errno), asked);
     const bool complete = std::fwrite(content.data(), 1, content.size(), file.get()) == content.size();
     const int writeError = errno;
-    if (!complete) fail("cannot be written: " + reason(writeError), path);
+    if (!complete) fail("cannot be written: " + reason(writeError), asked);
     // Closing flushes: a full disk may show up only here.
-    if (std::fclose(file.release()) != 0) fail("cannot be written: " + reason(errno), path);
+    if (std::fclose(file.release()) != 0) fail("cannot be written: " + reason(errno), asked);
 }
 
 } // namespace
@@ -123,9 +123,8 @@ void writeAtomically(const fs::path& path, const std::function<void(const fs::pa
 }
 
 void writeFile(const fs::path& path, std::string_view content) {
-    // A failure must name the file that was asked for, not the temporary one.
-    requireWritable(path);
-    writeAtomically(path, [&](const fs::path& temporary) { writeBytes(temporary, content); });
+    requireFolder(path);
+    writeAtomically(path, [&](const fs::path& temporary) { writeBytes(temporary, content, path); });
 }
 
 void requireWritable(const fs::path& path) {

@@ -48,8 +48,8 @@ class ShaderSource {
     };
     std::vector<Output> outputs() const;
 
-    /// Rewrites a compiler's log, whose lines count from the first of text(), so that places read file:line. A user's file
-    /// that is no place of an error itself but does not fit the engine's is named first.
+    /// Rewrites a compiler's log, whose lines count from the first of text(), so that places read file:line. A user's
+    /// file that is no place of an error itself but does not fit the engine's is named first.
     std::string mapLog(const std::string& log) const;
     /// Whether a user's file is the reason for the errors of the log: the engine's own have none without it.
     bool blamesUser(const std::string& log) const;

@@ -18,8 +18,9 @@ class Renderer {
     /// The scene's values have changed (camera, lights, parameters), but not its programs.
     virtual void setScene(const scene::Scene& scene, const View& view, const Subject& subject) = 0;
 
-    /// Runs every kernel over nothing, with its buffers bound: drivers finish compiling at the first draw, for the formats and
-    /// sizes of the textures that they meet there, and no step should wait for that. After setScene(); forgets all samples.
+    /// Runs every kernel over nothing, with its buffers bound: drivers finish compiling at the first draw, for the
+    /// formats and sizes of the textures that they meet there, and no step should wait for that. After setScene();
+    /// forgets all samples.
     virtual void warmUp(const Picture& picture) = 0;
 
     /// Forgets all samples.

@@ -18,7 +18,7 @@ std::shared_ptr<const scene::Catalogue> catalogue();
 
 struct Options {
     /// Where kernels run; the default is what was measured to be faster on the kind of device.
-    std::optional<gpu::Stage> stage;
+    std::optional<gpu::Stage> stage = {};
     /// Parameters become constants of the kernels: faster, but every edit of one compiles anew (see
     /// render::BuildOptions).
     bool specialise = true;

@@ -8,7 +8,7 @@
 #include "render/glsl/brdf.glsl"
 
 uniform int brdf;              //! ggx {lambert, phong, ggx} invalidates program | Reflection model
-uniform int shadow;            //! penumbra {none, hard, penumbra, sampled} invalidates program | Shadows: one hard ray, a smooth estimate from one ray, or exact by sampling the light's disc
+uniform int shadow;            //! penumbra {none, hard, penumbra, sampled} invalidates program | Shadows: one hard ray, a smooth estimate from one ray (somewhat larger than the exact shadow), or exact by sampling the light's disc
 uniform int ambient_occlusion; //! field {none, field, sampled} invalidates program | Occlusion of the environment's light: none, estimated from the distance field, or exact by one ray a sample
 uniform float sky_light;       //! 1 [0, 4] | Strength of the environment's light on surfaces
 
