@@ -1,5 +1,6 @@
 #pragma once
 
+#include "../temporary_folder.hpp"
 #include "gpu/kernel.hpp"
 #include "session/session.hpp"
 
@@ -70,24 +71,5 @@ template <class F> std::optional<Error> errorOf(const F& action) {
     }
     return std::nullopt;
 }
-
-/// A folder of its own, removed at its end.
-class TemporaryFolder {
-  public:
-    TemporaryFolder() {
-        std::string name = (std::filesystem::temp_directory_path() / "apeiron-gpu-test-XXXXXX").string();
-        path_ = mkdtemp(name.data());
-    }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    ~TemporaryFolder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
-  private:
-    std::filesystem::path path_;
-};
 
 } // namespace apeiron::test

@@ -1,22 +1,11 @@
 // Folds one estimate into running means and the sum of squared deviations (Welford 1962): stable for millions of samples, and
 // mergeable (Chan, Golub & LeVeque 1983).
-//
-// mean:   rgb mean radiance, w number of samples          spread: rgb sum of squared deviations, w mean alpha
-// normal: xyz mean of hits' normals, w mean of hits' depth   albedo: rgb mean of hits' albedo, w part of samples that hit
+#include "render/glsl/accumulator_mean.glsl"
 
-uniform sampler2D estimate_radiance;
-uniform sampler2D estimate_geometry;
-uniform sampler2D estimate_albedo;
-uniform sampler2D accumulator_mean;
-uniform sampler2D accumulator_spread;
-uniform sampler2D accumulator_normal;
-uniform sampler2D accumulator_albedo;
-uniform int estimate_shift;    // log2 of the interleave factor: shifts, as integer division is slow everywhere
-uniform ivec2 estimate_block; // size of one sub-image
 uniform bool accumulator_empty; // nothing was accumulated yet: whatever the buffers hold
 
 void kernel_main(ivec2 pixel, out vec4 mean, out vec4 spread, out vec4 normal, out vec4 albedo) {
-    ivec2 texel = (pixel & ((1 << estimate_shift) - 1)) * estimate_block + (pixel >> estimate_shift);
+    ivec2 texel = estimate_texel(pixel, estimate_offset(pixel));
     vec4 radiance = texelFetch(estimate_radiance, texel, 0);
     vec4 geometry = texelFetch(estimate_geometry, texel, 0);
     vec4 color = texelFetch(estimate_albedo, texel, 0);

@@ -1,26 +1,17 @@
 // Turns the accumulators of integrate_mean.glsl into radiance, geometry and albedo. Before the first sample is complete, shows
 // its sub-images: each pixel takes the finest one that is there.
+#include "render/glsl/accumulator_mean.glsl"
 
-uniform sampler2D estimate_radiance;
-uniform sampler2D estimate_geometry;
-uniform sampler2D estimate_albedo;
-uniform sampler2D accumulator_mean;
-uniform sampler2D accumulator_spread;
-uniform sampler2D accumulator_normal;
-uniform sampler2D accumulator_albedo;
-uniform int estimate_shift; // log2 of the interleave factor
-uniform ivec2 estimate_block;
 uniform int estimate_done;   // complete sub-images of the first sample; -1: show the accumulators
 uniform int estimate_rank[64]; // order of the sub-image at offset y * 8 + x
 
 void kernel_main(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 albedo) {
     if (estimate_done >= 0) {
-        ivec2 offset = pixel & ((1 << estimate_shift) - 1);
-        ivec2 cell = pixel >> estimate_shift;
+        ivec2 offset = estimate_offset(pixel);
         for (int mask = 0; mask < (1 << estimate_shift); mask = 2 * mask + 1) {
             ivec2 coarser = offset & ~mask;
             if (estimate_rank[coarser.y * 8 + coarser.x] >= estimate_done) continue;
-            ivec2 texel = coarser * estimate_block + cell;
+            ivec2 texel = estimate_texel(pixel, coarser);
             radiance = texelFetch(estimate_radiance, texel, 0);
             geometry = texelFetch(estimate_geometry, texel, 0);
             albedo = texelFetch(estimate_albedo, texel, 0);
