@@ -33,9 +33,9 @@ std::string expectation(const Parameter& parameter) {
     case Type::Text:
         return "a text";
     case Type::Decimal3:
-        return "3 decimal numbers, such as [\"0\", \"0.5\", \"1\"]";
+        return R"(3 decimal numbers, such as ["0", "0.5", "1"])";
     case Type::Module:
-        return "the name of a module, or {\"name\": ..., \"source\": ...}";
+        return R"(the name of a module, or {"name": ..., "source": ...})";
     }
     return {};
 }

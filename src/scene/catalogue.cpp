@@ -63,7 +63,8 @@ bool Catalogue::isList(std::string_view role) {
 
 void Catalogue::add(NodeType type) {
     assert(std::find(std::begin(kRoles), std::end(kRoles), type.role) != std::end(kRoles));
-    types_[type.role].push_back(std::make_shared<const NodeType>(std::move(type)));
+    auto& types = types_[type.role];
+    types.push_back(std::make_shared<const NodeType>(std::move(type)));
 }
 
 const std::vector<std::shared_ptr<const NodeType>>& Catalogue::types(std::string_view role) const {

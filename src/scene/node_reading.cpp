@@ -14,7 +14,7 @@ using parameter::Node;
 /// The type that the JSON asks for, or the role's first one.
 std::shared_ptr<const parameter::NodeType> readType(const ReadContext& context, std::string_view role, const Json& json,
                                                     const std::string& pointer) {
-    const auto first = context.catalogue.type(role, "");
+    auto first = context.catalogue.type(role, "");
     if (first->name.empty() || !json.contains("type")) return first;
     const Json& name = json["type"];
     const std::string where = context.where(JsonSource::child(pointer, "type"));
