@@ -39,7 +39,8 @@ vec3 brdf_ggx(Material m, vec3 n, vec3 v, vec3 l) {
     float distribution = a2 / (3.141592654 * d * d);
     float masking = 0.5 / (nl * sqrt(a2 + (1.0 - a2) * nv * nv) + nv * sqrt(a2 + (1.0 - a2) * nl * nl));
     vec3 f0 = mix(vec3(0.04), m.albedo, m.metalness);
-    vec3 fresnel = f0 + (1.0 - f0) * pow(1.0 - lh, 5.0);
+    // Rounding can take the cosine past 1, and a power of a negative number is no number.
+    vec3 fresnel = f0 + (1.0 - f0) * pow(max(1.0 - lh, 0.0), 5.0);
     vec3 through = 1.0 - max(brdf_environment(m, n, v), brdf_environment(m, n, l));
     vec3 diffuse = m.albedo * through * ((1.0 - m.metalness) * 0.318309886);
     return (diffuse + fresnel * (distribution * masking)) * nl;
