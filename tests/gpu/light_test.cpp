@@ -589,6 +589,28 @@ void kernel_main(ivec2 pixel, out vec4 a) {{
     }
 }
 
+TEST_P(EveryBrdf, is_a_number_where_the_light_is_behind_the_eye) {
+    // Half vectors then equal both directions, and rounding takes their cosines past 1.
+    const auto images = runText({"render/glsl/brdf.glsl", "render/glsl/random.glsl"},
+                                fmt::format(R"(
+void kernel_main(ivec2 pixel, out vec4 a) {{
+    vec2 u = random_pair(pixel, 0u);
+    float z = 0.01 + 0.99 * u.x;
+    vec3 n = vec3(0.0, 0.0, 1.0);
+    vec3 v = normalize(vec3(sqrt(1.0 - z * z) * vec2(cos(6.2831853 * u.y), sin(6.2831853 * u.y)), z));
+    vec3 l = v;
+    Material m = Material(vec3(0.5), 0.45, 0.0, vec3(0.0));
+    a = vec4({}, 1.0);
+}}
+)",
+                                            GetParam().second),
+                                {128, 128}, 1);
+    for (const float value : images[0].data()) {
+        ASSERT_TRUE(std::isfinite(value));
+        ASSERT_GE(value, 0.0F);
+    }
+}
+
 class EveryRoughness : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Furnace, EveryRoughness, testing::Values("0.1", "0.5", "1"), [](const auto& instance) {
     std::string name = instance.param;
