@@ -37,6 +37,9 @@ class Fractal : public render::Subject {
         }
         source.addFile("fractal/orbit.glsl");
         source.addModule(formula, "formula_", node, "subject", options.specialise);
+        if (!names.contains("start")) {
+            source.addText("formula without start()", "void formula_start(inout Orbit orbit) {}\n");
+        }
         if (!names.contains("bound")) {
             source.addText("formula without bound()", "float formula_bound() { return 1000.0; }\n");
         }
@@ -71,7 +74,7 @@ render::SubjectType subjectType() {
              "fractal",
              "A three-dimensional fractal given by a distance estimate",
              {formula},
-             {"render/glsl/distance_surface.glsl", "fractal/fractal.glsl"}},
+             {"render/glsl/distance_surface.glsl", "fractal/fractal.glsl", "fractal/material.glsl"}},
             [] { return std::unique_ptr<render::Subject>(new Fractal); }};
 }
 
