@@ -161,6 +161,7 @@ int render(const RenderOptions& options) {
     // A coarse picture first, for who interrupts a long rendering; short ones are faster without.
     constexpr int kCoarse = 4;
     if (wanted > 8) sessionOptions.interleave = kCoarse;
+    sessionOptions.reproject = false; // nothing moves
     const Interrupt interrupt;
     session::Session session(*context, std::move(scene), sessionOptions);
 

@@ -230,9 +230,9 @@ void ShaderSource::addModule(const parameter::GlslModule& module, const std::str
     if (module.embedded && !included_.insert(module.file).second) return;
     std::string text = withoutComments(module.source);
     std::set<std::string> names;
-    if (rename == Rename::All) {
+    if (rename != Rename::Parameters) {
         names = globalNames(text);
-        names.erase("kernel_main");
+        if (rename == Rename::All) names.erase("kernel_main");
     } else {
         for (const parameter::Parameter& p : module.parameters)
             names.insert(p.name);

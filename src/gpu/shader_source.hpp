@@ -30,6 +30,7 @@ class ShaderSource {
     /// Which names of a module get its prefix.
     enum class Rename {
         All,        ///< everything it declares at global scope, except `kernel_main`: a chosen module
+        Everything, ///< `kernel_main` as well: a module that a kernel calls
         Parameters, ///< its parameters only: a file that implements an interface by name
     };
 

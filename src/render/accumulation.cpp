@@ -10,6 +10,12 @@
 
 namespace apeiron::render {
 
+namespace {
+
+constexpr std::array kLuminance{0.2126, 0.7152, 0.0722};
+
+} // namespace
+
 void Accumulation::merge(const Accumulation& other) {
     if (mean.width() != other.mean.width() || mean.height() != other.mean.height()) {
         throw Error(ErrorKind::BadInput, fmt::format("cannot merge {}x{} with {}x{}", mean.width(), mean.height(),
@@ -48,17 +54,21 @@ std::int64_t Accumulation::samples() const {
     return static_cast<std::int64_t>(most);
 }
 
+double Accumulation::luminance() const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < mean.data().size(); i += 4) {
+        for (std::size_t c = 0; c < 3; ++c)
+            sum += kLuminance[c] * static_cast<double>(mean.data()[i + c]);
+    }
+    return 4.0 * sum / static_cast<double>(mean.data().size());
+}
+
 double Accumulation::noise() const {
-    constexpr std::array kLuminance{0.2126, 0.7152, 0.0722};
     double squares = 0.0;
-    double luminance = 0.0;
     for (std::size_t i = 0; i < mean.data().size(); i += 4) {
         const double n = mean.data()[i + 3];
         if (n < 2.0) return 0.0;
-        for (std::size_t c = 0; c < 3; ++c) {
-            luminance += kLuminance[c] * static_cast<double>(mean.data()[i + c]);
-            // Channels of one sample rise and fall together: their deviations add, not their variances.
-        }
+        // Channels of one sample rise and fall together: their deviations add, not their variances.
         double deviation = 0.0;
         for (std::size_t c = 0; c < 3; ++c) {
             deviation += kLuminance[c] * std::sqrt(std::max(static_cast<double>(spread.data()[i + c]), 0.0));
@@ -66,7 +76,8 @@ double Accumulation::noise() const {
         squares += deviation * deviation / (n * (n - 1.0));
     }
     const double pixels = static_cast<double>(mean.data().size()) / 4.0;
-    return luminance > 0.0 ? std::sqrt(squares / pixels) / (luminance / pixels) : 0.0;
+    const double level = luminance();
+    return level > 0.0 ? std::sqrt(squares / pixels) / level : 0.0;
 }
 
 } // namespace apeiron::render

@@ -21,6 +21,9 @@ struct Accumulation {
     /// The most samples of any pixel.
     std::int64_t samples() const;
 
+    /// Mean luminance of the picture [radiance].
+    double luminance() const;
+
     /// Estimated noise: root mean square over the pixels of the standard error of the mean luminance, relative to the
     /// picture's mean luminance. 0 with less than two samples.
     double noise() const;

@@ -45,11 +45,13 @@ void Governor::restart() {
 
 gpu::Region TileCursor::take(std::int64_t texels) {
     assert(!done() && texels >= 1);
-    const int y = static_cast<int>(next_ / size_.x);
+    const int y = row();
     const int x = static_cast<int>(next_ % size_.x);
     gpu::Region region{{x, y}, {0, 1}};
     if (x == 0 && texels >= size_.x) {
-        region.size = {size_.x, static_cast<int>(std::min<std::int64_t>(texels / size_.x, size_.y - y))};
+        // Not beyond the last row, nor into those that were the first.
+        const std::int64_t rows = std::min<std::int64_t>(size_.y - y, left() / size_.x);
+        region.size = {size_.x, static_cast<int>(std::min<std::int64_t>(texels / size_.x, rows))};
     } else {
         region.size.x = static_cast<int>(std::min<std::int64_t>(texels, size_.x - x));
     }

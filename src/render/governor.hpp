@@ -36,15 +36,21 @@ class Governor {
 /// Hands out a picture's texels in order, in rectangles of at most a given number.
 class TileCursor {
   public:
-    explicit TileCursor(glm::ivec2 size) : size_(size) {}
+    /// @param first row to begin with; the rows before it come last
+    explicit TileCursor(glm::ivec2 size, int first = 0) : size_(size), first_(first % size.y) {}
     bool done() const { return next_ >= total(); }
+    std::int64_t taken() const { return next_; }
     std::int64_t left() const { return total() - next_; }
+    /// The row that the next rectangle is in or begins with, cyclically.
+    int row() const { return static_cast<int>((first_ + next_ / size_.x) % size_.y); }
+    int first() const { return first_; }
     /// The next rectangle of at most `texels`: whole rows when they fit, else part of one. @pre !done(), texels >= 1
     gpu::Region take(std::int64_t texels);
 
   private:
     std::int64_t total() const { return static_cast<std::int64_t>(size_.x) * size_.y; }
     glm::ivec2 size_;
+    int first_;
     std::int64_t next_ = 0;
 };
 

@@ -1,26 +1,73 @@
 #include "render/interleave.hpp"
 
+#include <algorithm>
 #include <cassert>
+#include <limits>
 
 namespace apeiron::render {
+namespace {
 
-Interleave::Interleave(int factor)
-    : factor_(factor), offsets_(static_cast<std::size_t>(factor) * static_cast<std::size_t>(factor)) {
-    assert(factor == 1 || factor == 2 || factor == 4 || factor == 8);
+/// The shortest step between two offsets of a pattern that repeats every `period` pixels.
+int wrapped(int difference, int period) {
+    const int positive = ((difference % period) + period) % period;
+    return 2 * positive > period ? positive - period : positive;
+}
+
+int squaredDistance(glm::ivec2 a, glm::ivec2 b, int period) {
+    const int dx = wrapped(b.x - a.x, period);
+    const int dy = wrapped(b.y - a.y, period);
+    return dx * dx + dy * dy;
+}
+
+} // namespace
+
+Interleave::Interleave(int factor, int first) : factor_(factor), first_(first % (factor * factor)) {
+    assert(factor >= 1 && factor <= kMost && first >= 0);
+    std::vector<glm::ivec2> left;
     for (int y = 0; y < factor; ++y) {
-        for (int x = 0; x < factor; ++x) {
-            // The coarsest bit of the offset is the lowest digit of the rank. Digits: (0,0) (1,1) (1,0) (0,1).
-            int rank = 0;
-            int weight = 1;
-            for (int bit = factor / 2; bit > 0; bit /= 2, weight *= 4) {
-                const bool bx = (x & bit) != 0;
-                const bool by = (y & bit) != 0;
-                rank += weight * (bx == by ? static_cast<int>(bx) : (bx ? 2 : 3));
+        for (int x = 0; x < factor; ++x)
+            left.emplace_back(x, y);
+    }
+    while (!left.empty()) {
+        // The farthest from what is there; of several, the one with the least company.
+        std::size_t best = 0;
+        int bestNearest = -1;
+        double bestCompany = 0.0;
+        for (std::size_t i = 0; i < left.size(); ++i) {
+            int nearest = std::numeric_limits<int>::max();
+            double company = 0.0;
+            for (const glm::ivec2 there : offsets_) {
+                const int d2 = squaredDistance(left[i], there, factor);
+                nearest = std::min(nearest, d2);
+                company += 1.0 / d2;
             }
-            offsets_[static_cast<std::size_t>(rank)] = {x, y};
-            ranks_[static_cast<std::size_t>(y) * 8 + static_cast<std::size_t>(x)] = rank;
+            if (nearest > bestNearest || (nearest == bestNearest && company < bestCompany - 1e-9)) {
+                best = i;
+                bestNearest = nearest;
+                bestCompany = company;
+            }
+        }
+        offsets_.push_back(left[best]);
+        left.erase(left.begin() + static_cast<std::ptrdiff_t>(best));
+    }
+}
+
+std::array<int, Interleave::kMost * Interleave::kMost> Interleave::nearest(int done) const {
+    assert(done >= 1 && done <= count());
+    std::array<int, kMost * kMost> steps{};
+    for (int y = 0; y < factor_; ++y) {
+        for (int x = 0; x < factor_; ++x) {
+            int best = 0;
+            for (int i = 1; i < done; ++i) {
+                if (squaredDistance({x, y}, offset(i), factor_) < squaredDistance({x, y}, offset(best), factor_))
+                    best = i;
+            }
+            const glm::ivec2 to = offset(best);
+            steps[static_cast<std::size_t>(y * kMost + x)] =
+                (wrapped(to.y - y, factor_) + 8) * 16 + wrapped(to.x - x, factor_) + 8;
         }
     }
+    return steps;
 }
 
 } // namespace apeiron::render

@@ -11,8 +11,11 @@ namespace {
 
 constexpr auto kFloat4 = gpu::PixelFormat::RGBA32F;
 
-/// Estimates are laid out for any interleave factor up to this one.
-constexpr int kMaxInterleave = 8;
+/// Estimates are padded so that sub-images of any factor f fit: f * ceil(size / f) < size + f.
+constexpr int kPadding = Interleave::kMost - 1;
+
+/// The prepass has one texel for a square of 2^shift pixels.
+constexpr int kPrepassShift = 3;
 
 /// A set of textures written together.
 template <std::size_t Count> struct Buffers {
@@ -38,10 +41,12 @@ class KernelRenderer : public Renderer {
   public:
     KernelRenderer(const gpu::Context& context, gpu::KernelCache& cache, const BuildOptions& options,
                    const scene::Scene& scene, const Subject& subject, glm::ivec2 size)
-        : size_(size), estimate_(context, (size + kMaxInterleave - 1) / kMaxInterleave * kMaxInterleave, kEstimate),
+        : size_(size), prepassSize_((size + (1 << kPrepassShift) - 1) / (1 << kPrepassShift)),
+          estimate_(context, size + kPadding, kEstimate),
           front_(std::make_unique<Buffers<4>>(context, size, kAccumulator)),
           back_(std::make_unique<Buffers<4>>(context, size, kAccumulator)),
-          harmonics_(context, kFloat4, {9, 1}, "environment_sh"), harmonicsTargets_(context, {&harmonics_}),
+          starts_(context, gpu::PixelFormat::R32F, prepassSize_, "prepass_start"), startsTargets_(context, {&starts_}),
+          nothing_(std::make_unique<Picture>(context, glm::ivec2(1, 1), true)), harmonics_(context, kFloat4, {9, 1}, "environment_sh"), harmonicsTargets_(context, {&harmonics_}),
           probeResult_(context, kFloat4, {1, 1}, "probe"), probeTargets_(context, {&probeResult_}) {
         const std::string name = scene.renderer.module("type").name;
         const std::string means = integratorOf(scene);
@@ -51,6 +56,11 @@ class KernelRenderer : public Renderer {
         integrate_ = cache.get("integrate " + means, integrateSource(means), options.stage,
                                {kFloat4, kFloat4, kFloat4, kFloat4});
         present_ = cache.get("present " + means, presentSource(means), options.stage, {kFloat4, kFloat4, kFloat4});
+        makePresentMoved_ = [&cache, means, stage = options.stage] {
+            const std::string moved = means + "_moved";
+            return cache.get("present " + moved, presentSource(moved), stage, {kFloat4, kFloat4, kFloat4, kFloat4});
+        };
+        prepass_ = cache.get("prepass", prepassSource(scene, subject, options), options.stage, {gpu::PixelFormat::R32F});
         if (subject.provides().contains("surface")) {
             // Compiled only when asked for: many sessions never do.
             makeProbe_ = [&cache, source = probeSource(scene, subject, options), stage = options.stage] {
@@ -60,8 +70,10 @@ class KernelRenderer : public Renderer {
     }
 
     void setScene(const scene::Scene& scene, const View& view, const Subject& subject) override {
-        for (gpu::Kernel* kernel : {harmonicsKernel_.get(), generate_.get()}) {
+        view_ = view;
+        for (gpu::Kernel* kernel : {prepass_.get(), generate_.get(), harmonicsKernel_.get()})
             view.upload(*kernel);
+        for (gpu::Kernel* kernel : {harmonicsKernel_.get(), generate_.get()}) {
             kernel->setParameters("environment", scene.environment);
         }
         // Camera moves, the most frequent edits, leave the environment as it is.
@@ -73,24 +85,40 @@ class KernelRenderer : public Renderer {
         generate_->setParameters("renderer", scene.renderer);
         generate_->set("environment_sh", harmonics_);
         subject.bind(*generate_, scene);
+        subject.bind(*prepass_, scene);
+        prepass_->set("prepass_tile", 1 << kPrepassShift);
+        generate_->set("prepass_start", starts_);
+        generate_->set("prepass_shift", kPrepassShift);
     }
 
     void warmUp(const Picture& picture) override {
         const gpu::Region one{{0, 0}, {1, 1}};
+        prepass_->run(startsTargets_, one, {0, 0});
+        bindAccumulators(*generate_);
         generate_->run(estimate_.targets, one, {0, 0});
-        for (gpu::Kernel* kernel : {integrate_.get(), present_.get()})
-            bindBuffers(*kernel, Interleave(1));
+        bindBuffers(*integrate_, Interleave(1));
         integrate_->run(back_->targets, one, {0, 0});
-        present_->run(picture.targets, one, {0, 0});
+        preparePresent(picture, Interleave(1), {}, nullptr).run(picture.targets, one, {0, 0});
         reset();
     }
 
-    void reset() override { empty_ = true; }
+    void reset() override {
+        empty_ = true;
+        errorLimit_ = 0.0F;
+    }
+
+    glm::ivec2 prepassSize() const override { return prepassSize_; }
+
+    void prepass(const gpu::Region& region) override { prepass_->run(startsTargets_, region, prepassSize_); }
+
+    void setErrorLimit(float limit) override { errorLimit_ = limit; }
 
     void generate(std::uint32_t sample, const Interleave& interleave, glm::ivec2 offset,
                   const gpu::Region& region) override {
         const glm::ivec2 origin = offset * interleave.block(size_);
         generate_->set("random_sample", sample);
+        generate_->set("error_limit", errorLimit_);
+        bindAccumulators(*generate_);
         generate_->run(estimate_.targets, {origin + region.origin, region.size}, size_,
                        {origin, interleave.factor(), offset});
     }
@@ -103,11 +131,9 @@ class KernelRenderer : public Renderer {
         empty_ = false;
     }
 
-    void present(const Picture& picture, const Interleave& interleave, int complete) override {
-        bindBuffers(*present_, interleave);
-        present_->set("estimate_done", complete);
-        present_->set("estimate_rank[0]", std::span<const int>(interleave.ranks()));
-        present_->run(picture.targets);
+    void present(const Picture& picture, const Interleave& interleave, const Progress& progress,
+                 const History* history) override {
+        preparePresent(picture, interleave, progress, history).run(picture.targets);
     }
 
     Accumulation accumulation() const override {
@@ -131,26 +157,69 @@ class KernelRenderer : public Renderer {
     void bindBuffers(gpu::Kernel& kernel, const Interleave& interleave) {
         for (std::size_t i = 0; i < kEstimate.size(); ++i)
             kernel.set(kEstimate[i], estimate_.textures[i]);
-        for (std::size_t i = 0; i < kAccumulator.size(); ++i)
-            kernel.set(kAccumulator[i], front_->textures[i]);
-        kernel.set("estimate_shift", interleave.shift());
+        bindAccumulators(kernel);
+        kernel.set("estimate_factor", interleave.factor());
         kernel.set("estimate_block", interleave.block(size_));
     }
 
+    /// The kernel that presents into such a picture, with all but its target bound.
+    gpu::Kernel& preparePresent(const Picture& picture, const Interleave& interleave, const Progress& progress,
+                                const History* history) {
+        const bool moved = static_cast<bool>(picture.point);
+        if (moved && !presentMoved_) presentMoved_ = makePresentMoved_();
+        gpu::Kernel& kernel = moved ? *presentMoved_ : *present_;
+        if (view_) view_->upload(kernel);
+        bindBuffers(kernel, interleave);
+        kernel.set("estimate_done", progress.blocks);
+        if (progress.blocks > 0) {
+            const auto nearest = interleave.nearest(progress.blocks);
+            kernel.set("estimate_nearest[0]", std::span<const int>(nearest));
+        }
+        kernel.set("estimate_current", interleave.offset(std::max(progress.blocks, 0)));
+        kernel.set("estimate_band", progress.band);
+        if (!moved) return kernel;
+        // Without a history its samplers still need something to be bound to.
+        const Picture& before = history ? history->picture : *nothing_;
+        kernel.set("history_there", history != nullptr);
+        kernel.set("history_radiance", before.radiance);
+        kernel.set("history_geometry", before.geometry);
+        kernel.set("history_albedo", before.albedo);
+        kernel.set("history_point", before.point);
+        if (history) {
+            history->view.uploadAsHistory(kernel, history->offset);
+            kernel.set("history_share", history->share);
+        }
+        return kernel;
+    }
+
+    void bindAccumulators(gpu::Kernel& kernel) {
+        for (std::size_t i = 0; i < kAccumulator.size(); ++i)
+            kernel.set(kAccumulator[i], front_->textures[i]);
+    }
+
     glm::ivec2 size_;
+    glm::ivec2 prepassSize_;
     Buffers<3> estimate_;
     std::unique_ptr<Buffers<4>> front_; ///< the current accumulators
     std::unique_ptr<Buffers<4>> back_;
     bool empty_ = true;
+    float errorLimit_ = 0.0F; ///< [radiance]
+    gpu::Texture starts_;     ///< where the rays of each tile of pixels may start
+    gpu::Targets startsTargets_;
+    std::unique_ptr<Picture> nothing_;
     gpu::Texture harmonics_;
     gpu::Targets harmonicsTargets_;
     std::optional<parameter::Node> environment_; ///< what the harmonics were made of; skies also depend on lights
     std::vector<parameter::Node> lights_;
     gpu::Texture probeResult_;
     gpu::Targets probeTargets_;
+    std::shared_ptr<gpu::Kernel> prepass_;
     std::shared_ptr<gpu::Kernel> generate_;
     std::shared_ptr<gpu::Kernel> integrate_;
+    std::optional<View> view_;
     std::shared_ptr<gpu::Kernel> present_;
+    std::shared_ptr<gpu::Kernel> presentMoved_; ///< for pictures with points: compiled when there is one
+    std::function<std::shared_ptr<gpu::Kernel>()> makePresentMoved_;
     std::shared_ptr<gpu::Kernel> harmonicsKernel_;
     std::shared_ptr<gpu::Kernel> probe_;
     std::function<std::shared_ptr<gpu::Kernel>()> makeProbe_;

@@ -44,7 +44,16 @@ gpu::ShaderSource generateSource(const scene::Scene& scene, const Subject& subje
     gpu::ShaderSource source;
     addEnvironment(source, scene, options);
     subject.addSource(source, scene.subject, options);
-    source.addModule(scene.renderer.module("type"), "renderer_", scene.renderer, "renderer", options.specialise);
+    source.addModule(scene.renderer.module("type"), "renderer_", scene.renderer, "renderer", options.specialise,
+                     gpu::ShaderSource::Rename::Everything);
+    source.addFile("render/glsl/generate.glsl");
+    return source;
+}
+
+gpu::ShaderSource prepassSource(const scene::Scene& scene, const Subject& subject, const BuildOptions& options) {
+    gpu::ShaderSource source;
+    subject.addSource(source, scene.subject, options);
+    source.addFile("render/glsl/prepass.glsl");
     return source;
 }
 

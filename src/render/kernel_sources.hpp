@@ -14,6 +14,9 @@ std::string integratorOf(const scene::Scene& scene);
 /// @throws Error (BadInput) when the renderer needs an interface that the subject does not give.
 gpu::ShaderSource generateSource(const scene::Scene& scene, const Subject& subject, const BuildOptions& options);
 
+/// The prepass: where the rays of each tile of pixels may start; 1 output.
+gpu::ShaderSource prepassSource(const scene::Scene& scene, const Subject& subject, const BuildOptions& options);
+
 /// The environment in spherical harmonics; 1 output.
 gpu::ShaderSource harmonicsSource(const scene::Scene& scene, const BuildOptions& options);
 

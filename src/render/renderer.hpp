@@ -9,6 +9,21 @@
 
 namespace apeiron::render {
 
+/// How much of the first sample is there, and what else may be shown meanwhile.
+struct Progress {
+    int blocks = -1; ///< complete sub-images of the first sample; -1: the accumulators are to be shown
+    /// Of the sub-image in progress: the first texel computed and their number, in rows of its block, cyclically.
+    glm::ivec2 band{0};
+};
+
+/// The picture of before the camera moved: what a new one has not computed yet is taken from it.
+struct History {
+    const Picture& picture;
+    const View& view;         ///< under which it was made; of the same size and projection as the present one
+    glm::vec3 offset{0.0F};   ///< from the present camera to its camera [world units]
+    float share = 0.0F;       ///< its weight where there are new values too, 0..1
+};
+
 /// How a picture comes about, in four verbs (after Lesar, Bohak & Marolt 2018): reset | generate -> integrate ->
 /// present. The progressive loop drives them; each renderer owns the meaning of its buffers. Needs its context current.
 class Renderer {
@@ -26,6 +41,14 @@ class Renderer {
     /// Forgets all samples.
     virtual void reset() = 0;
 
+    /// Texels of the prepass, which follows a reset before the first generate().
+    virtual glm::ivec2 prepassSize() const = 0;
+    /// Works out a region of it.
+    virtual void prepass(const gpu::Region& region) = 0;
+
+    /// Leaves out pixels whose standard error is below that from now on [radiance]; 0: computes all.
+    virtual void setErrorLimit(float limit) = 0;
+
     /// Computes estimate number `sample` for a region of a sub-image. Estimates are laid out as one block per
     /// sub-image, so that each is compact.
     /// @param offset   the sub-image: its pixels are offset, offset + (factor, 0), ...
@@ -36,9 +59,10 @@ class Renderer {
     /// Folds the complete estimate into the accumulators.
     virtual void integrate(const Interleave& interleave) = 0;
 
-    /// Turns accumulators into a picture.
-    /// @param complete  sub-images that are there of the first estimate, or -1 to show the accumulators
-    virtual void present(const Picture& picture, const Interleave& interleave, int complete) = 0;
+    /// Turns accumulators, or what is there of the first estimate, into a picture.
+    /// @param history nullptr: what is not there is black
+    virtual void present(const Picture& picture, const Interleave& interleave, const Progress& progress,
+                         const History* history) = 0;
 
     /// The accumulators, for saving and merging.
     virtual Accumulation accumulation() const = 0;

@@ -45,6 +45,12 @@ View::View(const scene::Scene& scene, glm::ivec2 size) : size_(size) {
     seed_ = static_cast<std::uint32_t>(scene.output.integer("seed"));
 }
 
+void View::uploadAsHistory(gpu::Kernel& kernel, glm::vec3 offset) const {
+    kernel.set("history_basis", basis_);
+    kernel.set("history_extent", extent_);
+    kernel.set("history_offset", offset);
+}
+
 void View::upload(gpu::Kernel& kernel) const {
     kernel.set("camera_basis", basis_);
     kernel.set("camera_size", size_);

@@ -16,6 +16,10 @@ class View {
     /// Sets the uniforms of camera.glsl, light.glsl and environment.glsl.
     void upload(gpu::Kernel& kernel) const;
 
+    /// Sets the uniforms of history.glsl: this view is the one of an older picture. @param offset from the present
+    /// camera to this one [world units]
+    void uploadAsHistory(gpu::Kernel& kernel, glm::vec3 offset) const;
+
   private:
     glm::ivec2 size_;
     glm::mat3 basis_{1.0F};

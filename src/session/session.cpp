@@ -17,6 +17,14 @@ namespace {
 
 constexpr auto kFloat4 = gpu::PixelFormat::RGBA32F;
 
+/// After a move of the camera, what the old picture shows of a pixel counts this much beside its first new value, and
+/// less with every sample.
+constexpr float kShareAtFirst = 0.7F;
+constexpr std::int64_t kFadingSamples = 8;
+
+/// Pixels are left out only when they have so many samples: of fewer, the variance is not known well enough.
+constexpr std::int64_t kLeastSamples = 16;
+
 glm::ivec2 sizeOf(const scene::Scene& scene) {
     return {static_cast<int>(scene.output.integer("width")), static_cast<int>(scene.output.integer("height"))};
 }
@@ -59,7 +67,8 @@ Session::Session(const gpu::Context& context, const Options& options)
 
 Session::Session(const gpu::Context& context, scene::Scene scene, const Options& options)
     : context_(context), options_(options), build_{chooseStage(context, options_), options_.specialise},
-      scene_(std::move(scene)), cache_(context), timer_(context), interleave_(options_.interleave), cursor_({1, 1}) {
+      scene_(std::move(scene)), cache_(context), timer_(context), interleave_(options_.interleave), prepass_({1, 1}),
+      cursor_({1, 1}) {
     apply(parameter::Invalidates::Program, true);
 }
 
@@ -92,11 +101,12 @@ void Session::apply(parameter::Invalidates what, bool sizeChanged) {
         }
         chain = std::make_unique<post::Chain>(context_, cache_, build_.stage, scene_, size);
         if (sizeChanged) {
-            auto picture = std::make_unique<render::Picture>(context_, size);
+            auto picture = std::make_unique<render::Picture>(context_, size, options_.reproject);
             auto texture = std::make_unique<gpu::Texture>(context_, kFloat4, size, "display");
             displayTargets_ = gpu::Targets(context_, {texture.get()});
             displayTexture_ = std::move(texture);
             picture_ = std::move(picture);
+            before_.reset();
         }
     }
     if (subject) {
@@ -107,7 +117,10 @@ void Session::apply(parameter::Invalidates what, bool sizeChanged) {
     if (fresh) renderer_ = std::move(renderer);
     chain_ = std::move(chain);
     stale_ = true;
-    if (what == Invalidates::Program || sizeChanged) governor_.restart();
+    if (what == Invalidates::Program || sizeChanged) {
+        governor_.restart();
+        prepassGovernor_.restart();
+    }
     if (what == Invalidates::Program || what == Invalidates::Samples || sizeChanged) {
         renderer_->setScene(scene_, render::View(scene_, size), *subject_);
         reset();
@@ -166,15 +179,44 @@ void Session::setSpecialise(bool specialise) {
 void Session::setCamera(const scene::Camera& camera) {
     if (camera.node() == scene_.camera) return;
     // Projection and filter are uniforms too: no camera edit needs another program.
+    const bool keep = options_.reproject && camera.node().value("projection") == scene_.camera.value("projection");
+    if (keep) keepPicture();
     scene_.camera = camera.node();
     renderer_->setScene(scene_, render::View(scene_, size()), *subject_);
-    reset();
+    restart(keep);
+}
+
+void Session::keepPicture() {
+    // As long as nothing new was computed, the older picture is the better one.
+    if (samples_ == 0 && block_ == 0 && cursor_.taken() == 0) return;
+    present();
+    if (!before_) before_ = std::make_unique<render::Picture>(context_, size(), true);
+    std::swap(picture_, before_);
+    cameraBefore_ = camera();
+    viewBefore_ = std::make_unique<render::View>(scene_, size());
 }
 
 void Session::reset() {
+    restart(false);
+}
+
+void Session::restart(bool keep) {
     renderer_->reset();
-    interleave_ = render::Interleave(options_.interleave);
-    cursor_ = render::TileCursor(interleave_.block(size()));
+    const int factor = std::min({options_.interleave, size().x, size().y});
+    int first = 0;
+    int row = 0;
+    if (keep && cameraBefore_) {
+        // Other pixels than those of the last time: a journey of short steps must renew all of them.
+        if (samples_ == 0 && interleave_.factor() == factor) first = interleave_.first() + block_;
+        if (samples_ == 0 && !cursor_.done()) row = cursor_.row();
+        moved_ = true;
+    } else {
+        cameraBefore_.reset();
+        moved_ = false;
+    }
+    interleave_ = render::Interleave(factor, first);
+    prepass_ = render::TileCursor(renderer_->prepassSize());
+    cursor_ = render::TileCursor(interleave_.block(size()), row);
     block_ = 0;
     pending_ = false;
     samples_ = 0;
@@ -191,11 +233,18 @@ bool Session::limitReached(double secondsOfStep) {
     if (time > 0.0 && seconds_ + secondsOfStep >= time && samples_ > 0) return true;
     const double noiseTarget = output.number("noise");
     if (noiseTarget > 0.0 && samples_ >= noiseCheck_) {
-        noiseSeen_ = noise();
+        noiseSeen_ = lookAtNoise(noiseTarget);
         // Reading back takes time: look again when the noise can have fallen by a tenth.
         noiseCheck_ = samples_ + std::max<std::int64_t>(samples_ / 5, 1);
     }
     return noiseSeen_ <= noiseTarget;
+}
+
+double Session::lookAtNoise(double target) {
+    const render::Accumulation all = accumulation();
+    // Pixels that are better than the whole picture is to be need nothing more.
+    if (samples_ >= kLeastSamples) renderer_->setErrorLimit(static_cast<float>(target * all.luminance()));
+    return all.noise();
 }
 
 double Session::timed(const char* phase, const std::function<void()>& work) {
@@ -222,6 +271,15 @@ bool Session::advance(double remaining, bool mustWork) {
         stale_ = true;
         return true;
     }
+    if (!prepass_.done()) {
+        std::int64_t texels = prepassGovernor_.next(remaining, mustWork);
+        if (options_.tilePixels > 0) texels = std::min(texels, options_.tilePixels);
+        if (texels <= 0) return false;
+        const gpu::Region region = prepass_.take(texels);
+        const double seconds = timed("generate", [&] { renderer_->prepass(region); });
+        prepassGovernor_.report(static_cast<std::int64_t>(region.size.x) * region.size.y, seconds);
+        return true;
+    }
     std::int64_t pixels = governor_.next(remaining, mustWork);
     if (options_.tilePixels > 0) pixels = std::min(pixels, options_.tilePixels);
     if (pixels <= 0) return false;
@@ -235,6 +293,8 @@ bool Session::advance(double remaining, bool mustWork) {
     statistics_.pixels += done;
     ++statistics_.submissions;
     statistics_.longestSubmission = std::max(statistics_.longestSubmission, seconds);
+    // With an older picture around, every new pixel is worth showing.
+    if (samples_ == 0 && cameraBefore_) stale_ = true;
     if (!cursor_.done()) return true;
     ++block_;
     if (samples_ == 0) stale_ = true;
@@ -254,12 +314,15 @@ StepResult Session::step(double budget) {
         renderer_->setScene(scene_, render::View(scene_, size()), *subject_);
         reset();
     }
+    result.changed = moved_;
+    moved_ = false;
     while (!limitReached(watch.seconds())) {
         const std::int64_t before = samples_;
         const int blockBefore = block_;
         if (!advance(budget - watch.seconds(), mustWork)) break;
         mustWork = false;
-        result.changed = result.changed || samples_ != before || (samples_ == 0 && block_ != blockBefore);
+        result.changed = result.changed || samples_ != before ||
+                         (samples_ == 0 && (block_ != blockBefore || (cameraBefore_ && cursor_.taken() != 0)));
         if (budget - watch.seconds() <= 0.0) break;
     }
     seconds_ += watch.seconds();
@@ -282,7 +345,23 @@ double Session::noise() const {
 void Session::present() {
     if (!stale_) return;
     const Phases::Scope scope(statistics_.phases, "present");
-    renderer_->present(*picture_, interleave_, samples_ == 0 ? block_ : -1);
+    render::Progress progress;
+    if (samples_ == 0) {
+        progress.blocks = block_;
+        progress.band = {cursor_.first() * interleave_.block(size()).x, static_cast<int>(cursor_.taken())};
+        if (block_ == interleave_.count()) progress.band = {0, 0};
+    }
+    // The old picture's part fades while samples come in, and is gone from a finished one.
+    const std::int64_t fading = std::min(kFadingSamples, scene_.output.integer("samples"));
+    std::optional<render::History> history;
+    if (cameraBefore_ && samples_ < fading) {
+        const glm::vec3 offset(render::difference(cameraBefore_->position(), camera().position()));
+        const float share = samples_ == 0 ? kShareAtFirst
+                                          : kShareAtFirst * (1.0F - static_cast<float>(samples_) /
+                                                                        static_cast<float>(fading));
+        history.emplace(render::History{*before_, *viewBefore_, offset, share});
+    }
+    renderer_->present(*picture_, interleave_, progress, history ? &*history : nullptr);
     stale_ = false;
 }
 

@@ -24,9 +24,11 @@ struct Options {
     bool specialise = true;
     /// Most pixels that are submitted at once; 0 leaves it to the governor. The picture does not depend on it.
     std::int64_t tilePixels = 0;
-    /// The first sample comes as factor² interleaved sub-images (1, 2, 4 or 8), so that there is a whole, coarse
+    /// The first sample comes as factor² interleaved sub-images (1 to 8), so that there is a whole, coarse
     /// picture at once. The converged picture does not depend on it.
     int interleave = 1;
+    /// After a move of the camera, pixels that are not computed yet show what the picture before has of them.
+    bool reproject = true;
 };
 
 /// What a step did.
@@ -73,7 +75,8 @@ class Session {
     void setSpecialise(bool specialise);
     bool specialised() const { return build_.specialise; }
 
-    /// Moves the camera; samples start anew.
+    /// Moves the camera; samples start anew. What the picture so far shows is kept and seen from the new place, until there
+    /// is something better (see Options::reproject).
     void setCamera(const scene::Camera& camera);
     scene::Camera camera() const { return scene::Camera(scene_.camera); }
 
@@ -122,10 +125,16 @@ class Session {
     parameter::Invalidates replace(scene::Scene scene, parameter::Invalidates what);
     void apply(parameter::Invalidates what, bool sizeChanged);
     void present();
+    /// Forgets all samples. @param keep the old picture fills the new one
+    void restart(bool keep);
+    /// Keeps the present picture for after a move of the camera.
+    void keepPicture();
     bool advance(double remaining, bool mustWork);
     /// Runs GPU work to its end and books its time under a phase; returns the wall time [s].
     double timed(const char* phase, const std::function<void()>& work);
     bool limitReached(double secondsOfStep);
+    /// The picture's noise; stops the sampling of pixels that are better than `target`.
+    double lookAtNoise(double target);
 
     const gpu::Context& context_;
     Options options_;
@@ -136,6 +145,9 @@ class Session {
     std::string subjectName_;
     std::unique_ptr<render::Renderer> renderer_;
     std::unique_ptr<render::Picture> picture_;
+    std::unique_ptr<render::Picture> before_;           ///< the picture of before the camera moved ...
+    std::optional<scene::Camera> cameraBefore_;         ///< ... and its camera; none: there is none
+    std::unique_ptr<render::View> viewBefore_;
     std::unique_ptr<post::Chain> chain_;
     std::unique_ptr<gpu::Texture> displayTexture_;
     gpu::Targets displayTargets_;
@@ -143,6 +155,8 @@ class Session {
     gpu::Timer timer_;
     render::Governor governor_;
     render::Interleave interleave_;
+    render::TileCursor prepass_; ///< what is left to do of the prepass
+    render::Governor prepassGovernor_;
     render::TileCursor cursor_;
     int block_ = 0;        ///< sub-images of the sample in progress that are complete
     bool pending_ = false; ///< the sample in progress is computed but not integrated
@@ -151,6 +165,7 @@ class Session {
     double seconds_ = 0.0;                                       ///< spent in step() since the last reset
     std::int64_t noiseCheck_ = 8;                                ///< the sample count at which noise is looked at next
     double noiseSeen_ = std::numeric_limits<double>::infinity(); ///< when it was looked at last
+    bool moved_ = false; ///< the picture can show another view already, although nothing new was computed
     bool stale_ = true;                                          ///< picture_ does not show the present state
     Statistics statistics_;
 };

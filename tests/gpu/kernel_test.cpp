@@ -89,13 +89,15 @@ std::vector<NamedKernel> allKernels() {
             const std::string label = name + (specialise ? " specialised" : " variable");
             kernels.push_back({label, render::generateSource(scene, *subject, options)});
             kernels.push_back({label + " harmonics", render::harmonicsSource(scene, options)});
+            kernels.push_back({label + " prepass", render::prepassSource(scene, *subject, options)});
             kernels.push_back({label + " probe", render::probeSource(scene, *subject, options)});
         }
         integrators.insert(render::integratorOf(scene));
     }
     for (const std::string& integrator : integrators) {
         kernels.push_back({"integrate " + integrator, render::integrateSource(integrator)});
-        kernels.push_back({"present " + integrator, render::presentSource(integrator)});
+        for (const char* kind : {"", "_moved"})
+            kernels.push_back({"present " + integrator + kind, render::presentSource(integrator + kind)});
     }
     const auto catalogue = session::catalogue();
     for (const std::string& effect : parameter::moduleNames("effects")) {

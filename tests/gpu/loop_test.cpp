@@ -54,24 +54,69 @@ TEST(TileCursor, gives_whole_rows_where_they_fit) {
     EXPECT_TRUE(cursor.done());
 }
 
-class EveryInterleave : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Factor, EveryInterleave, testing::Values(1, 2, 4, 8));
-
-TEST_P(EveryInterleave, computes_each_offset_once) {
-    const Interleave interleave(GetParam());
-    EXPECT_EQ(interleave.factor(), GetParam());
-    EXPECT_EQ(1 << interleave.shift(), GetParam());
-    std::vector<int> times(64);
-    for (int i = 0; i < interleave.count(); ++i) {
-        const glm::ivec2 offset = interleave.offset(i);
-        ASSERT_LT(std::max(offset.x, offset.y), GetParam());
-        ++times[static_cast<std::size_t>(offset.y * 8 + offset.x)];
-        EXPECT_EQ(interleave.ranks()[static_cast<std::size_t>(offset.y * 8 + offset.x)], i);
+TEST(TileCursor, begins_at_any_row_and_still_hands_out_all) {
+    for (const int first : {0, 3, 9}) {
+        std::vector<int> times(70);
+        TileCursor cursor({7, 10}, first);
+        EXPECT_EQ(cursor.row(), first);
+        std::int64_t taken = 0;
+        while (!cursor.done()) {
+            const gpu::Region region = cursor.take(17);
+            taken += region.size.x * region.size.y;
+            ASSERT_EQ(cursor.taken(), taken);
+            for (int y = 0; y < region.size.y; ++y) {
+                for (int x = 0; x < region.size.x; ++x)
+                    ++times.at(static_cast<std::size_t>((region.origin.y + y) * 7 + region.origin.x + x));
+            }
+        }
+        EXPECT_THAT(times, testing::Each(1)) << first;
     }
-    EXPECT_EQ(std::count(times.begin(), times.end(), 1), interleave.count());
 }
 
-TEST_P(EveryInterleave, covers_the_picture_evenly_after_every_power_of_four) {
+class EveryInterleave : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Factor, EveryInterleave, testing::Range(1, 9));
+
+TEST_P(EveryInterleave, computes_each_offset_once_wherever_it_begins) {
+    for (const int first : {0, 1, 5}) {
+        const Interleave interleave(GetParam(), first);
+        EXPECT_EQ(interleave.factor(), GetParam());
+        std::vector<int> times(64);
+        for (int i = 0; i < interleave.count(); ++i) {
+            const glm::ivec2 offset = interleave.offset(i);
+            ASSERT_LT(std::max(offset.x, offset.y), GetParam());
+            ++times[static_cast<std::size_t>(offset.y * 8 + offset.x)];
+        }
+        EXPECT_EQ(std::count(times.begin(), times.end(), 1), interleave.count());
+        EXPECT_EQ(interleave.offset(0), Interleave(GetParam()).offset(first % interleave.count()));
+    }
+}
+
+TEST_P(EveryInterleave, covers_the_picture_evenly) {
+    // Of n points, no pixel is farther from one than a lattice that wastes nothing would have it, by more than the pixels' own
+    // grid: the circles of that radius around n points cover the torus about twice at most.
+    const Interleave interleave(GetParam());
+    const int k = GetParam();
+    for (int done = 1; done <= interleave.count(); ++done) {
+        const auto nearest = interleave.nearest(done);
+        double farthest = 0.0;
+        for (int y = 0; y < k; ++y) {
+            for (int x = 0; x < k; ++x) {
+                const int code = nearest[static_cast<std::size_t>(y * 8 + x)];
+                const glm::ivec2 step(code % 16 - 8, code / 16 - 8);
+                farthest = std::max(farthest, glm::length(glm::dvec2(step)));
+                const glm::ivec2 there = (glm::ivec2(x, y) + step + k) % k;
+                bool complete = false;
+                for (int i = 0; i < done; ++i)
+                    complete = complete || interleave.offset(i) == there;
+                ASSERT_TRUE(complete) << done << " at " << x << ", " << y;
+            }
+        }
+        EXPECT_LE(farthest, 1.45 * std::sqrt(static_cast<double>(k * k) / (3.14159 * done)) + 0.71) << done;
+    }
+}
+
+TEST_P(EveryInterleave, of_a_power_of_two_visits_the_lattices_of_bayer) {
+    if ((GetParam() & (GetParam() - 1)) != 0) GTEST_SKIP() << "no power of two";
     const Interleave interleave(GetParam());
     for (int done = 1, spacing = GetParam(); done <= interleave.count(); done *= 4, spacing /= 2) {
         for (int i = 0; i < done; ++i) {

@@ -10,11 +10,14 @@ uniform sampler2D accumulator_mean;
 uniform sampler2D accumulator_spread;
 uniform sampler2D accumulator_normal;
 uniform sampler2D accumulator_albedo;
-uniform int estimate_shift;   // log2 of the interleave factor: shifts, as integer division is slow everywhere
+uniform int estimate_factor;  // of interleaving: sub-images are factor x factor
 uniform ivec2 estimate_block; // size of one sub-image
 
-// The sub-image that a pixel belongs to.
-ivec2 estimate_offset(ivec2 pixel) { return pixel & ((1 << estimate_shift) - 1); }
+// The cell of factor x factor pixels that a pixel belongs to. Integer division is slow everywhere; this one is exact.
+ivec2 estimate_cell(ivec2 pixel) { return ivec2((vec2(pixel) + 0.5) / float(estimate_factor)); }
 
-// Where the estimate of a pixel, or of its neighbour in sub-image `offset`, is stored.
-ivec2 estimate_texel(ivec2 pixel, ivec2 offset) { return offset * estimate_block + (pixel >> estimate_shift); }
+// Where the estimate of a pixel is stored.
+ivec2 estimate_texel(ivec2 pixel) {
+    ivec2 cell = estimate_cell(pixel);
+    return (pixel - estimate_factor * cell) * estimate_block + cell;
+}

@@ -7,6 +7,8 @@ uniform float camera_extent;     // height of the picture at distance 1 (perspec
 uniform bool camera_orthographic;
 uniform int camera_filter;       // 0 box, 1 tent, 2 gaussian
 
+float camera_start = 0.0; // nothing is nearer than this along the pixel's rays: the prepass knows
+
 // Where in the picture this sample lies relative to the pixel's centre [px]: the filter, sampled in proportion to its weight.
 vec2 camera_jitter(ivec2 pixel) {
     vec2 u = random_pair(pixel, 0u);
@@ -27,7 +29,7 @@ Ray camera_ray(vec2 point) {
     vec2 film = vec2(point.x - 0.5 * size.x, 0.5 * size.y - point.y) * (camera_extent / size.y);
     float pixel_size = camera_extent / size.y;
     if (camera_orthographic) {
-        return Ray(camera_basis * vec3(film, 0.0), -camera_basis[2], 0.0, 1e30, pixel_size, 0.0);
+        return Ray(camera_basis * vec3(film, 0.0), -camera_basis[2], camera_start, 1e30, pixel_size, 0.0);
     }
-    return Ray(vec3(0.0), normalize(camera_basis * vec3(film, -1.0)), 0.0, 1e30, 0.0, pixel_size);
+    return Ray(vec3(0.0), normalize(camera_basis * vec3(film, -1.0)), camera_start, 1e30, 0.0, pixel_size);
 }

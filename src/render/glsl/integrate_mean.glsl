@@ -5,18 +5,19 @@
 uniform bool accumulator_empty; // nothing was accumulated yet: whatever the buffers hold
 
 void kernel_main(ivec2 pixel, out vec4 mean, out vec4 spread, out vec4 normal, out vec4 albedo) {
-    ivec2 texel = estimate_texel(pixel, estimate_offset(pixel));
+    ivec2 texel = estimate_texel(pixel);
     vec4 radiance = texelFetch(estimate_radiance, texel, 0);
     vec4 geometry = texelFetch(estimate_geometry, texel, 0);
     vec4 color = texelFetch(estimate_albedo, texel, 0);
     mean = accumulator_empty ? vec4(0.0) : texelFetch(accumulator_mean, pixel, 0);
     spread = accumulator_empty ? vec4(0.0) : texelFetch(accumulator_spread, pixel, 0);
+    normal = accumulator_empty ? vec4(0.0) : texelFetch(accumulator_normal, pixel, 0);
+    albedo = accumulator_empty ? vec4(0.0) : texelFetch(accumulator_albedo, pixel, 0);
+    if (radiance.w < 0.0) return; // this pixel needed no other sample
     float count = mean.w + 1.0;
     vec3 before = radiance.rgb - mean.rgb;
     mean = vec4(mean.rgb + before / count, count);
     spread += vec4(before * (radiance.rgb - mean.rgb), (radiance.w - spread.w) / count);
-    normal = accumulator_empty ? vec4(0.0) : texelFetch(accumulator_normal, pixel, 0);
     normal += (geometry - normal) / count;
-    albedo = accumulator_empty ? vec4(0.0) : texelFetch(accumulator_albedo, pixel, 0);
     albedo += (color - albedo) / count;
 }

@@ -21,16 +21,16 @@ uint random_reverse(uint x) {
     return (x >> 16) | (x << 16);
 }
 
-// Owen's nested uniform scrambling as a hash (Laine & Karras 2011; constants by Vegdahl 2021).
-uint random_scramble(uint x, uint seed) {
-    x = random_reverse(x);
+// Owen's nested uniform scrambling as a hash, on reversed bits (Laine & Karras 2011; constants by Vegdahl 2021).
+uint random_permute(uint x, uint seed) {
     x ^= x * 0x3d20adeau;
     x += seed;
     x *= (seed >> 16) | 1u;
     x ^= x * 0x05526c56u;
     x ^= x * 0x53a22864u;
-    return random_reverse(x);
+    return x;
 }
+uint random_scramble(uint x, uint seed) { return random_reverse(random_permute(random_reverse(x), seed)); }
 
 float random_unit(uint x) { return float(x >> 8) * (1.0 / 16777216.0); }
 
@@ -38,14 +38,16 @@ float random_unit(uint x) { return float(x >> 8) * (1.0 / 16777216.0); }
 // and shuffled for each pixel and pair (Burley 2020, "Practical Hash-based Owen Scrambling").
 vec2 random_pair(ivec2 pixel, uint dimension) {
     uint seed = random_hash(uint(pixel.x) ^ random_hash(uint(pixel.y) ^ random_hash(dimension ^ random_hash(random_seed))));
-    uint index = random_scramble(random_sample, seed);
-    uint x = random_reverse(index);
-    uint y = 0u;
-    uint v = 0x80000000u;
-    for (uint i = index; i != 0u; i >>= 1) {
-        if ((i & 1u) != 0u) y ^= v;
-        v ^= v >> 1;
-    }
+    // The first dimension is the index with its bits reversed.
+    uint x = random_permute(random_reverse(random_sample), seed);
+    // The second one's matrix is Pascal's triangle modulo 2, where C(i, p) is odd if and only if all bits of p are bits of i (Lucas
+    // 1878): sums over supersets of bit positions, in five steps.
+    uint y = x;
+    y ^= (y << 1) & 0xaaaaaaaau;
+    y ^= (y << 2) & 0xccccccccu;
+    y ^= (y << 4) & 0xf0f0f0f0u;
+    y ^= (y << 8) & 0xff00ff00u;
+    y ^= (y << 16) & 0xffff0000u;
     return vec2(random_unit(random_scramble(x, random_hash(seed ^ 0x51633e2du))),
                 random_unit(random_scramble(y, random_hash(seed ^ 0x68bc21ebu))));
 }

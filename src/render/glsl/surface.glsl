@@ -14,7 +14,7 @@ struct Hit {
     float t;        // along the ray
     vec3 position;
     float footprint; // diameter of the pixel there: the size of the smallest thing worth resolving
-    float effort;   // work spent to get there, 0..1
+    float effort;   // steps from t_min to there, as part of the most there may be: 0..1
 };
 
 struct Material {
@@ -26,6 +26,10 @@ struct Material {
 
 // The first surface along the ray within [t_min, t_max].
 bool surface_trace(Ray ray, out Hit hit);
+
+// How far along a cone, of the ray's width and spread about it, there is certainly no surface: a t from which any ray within the
+// cone may start. 1e30: there is none at all. The cone is empty before ray.t_min.
+float surface_clear(Ray cone);
 
 // Unit normal, towards the side the ray came from.
 vec3 surface_normal(Hit hit, vec3 direction);
