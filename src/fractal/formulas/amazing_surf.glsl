@@ -11,7 +11,7 @@ uniform int ball;         //! sphere {sphere, cylinder} invalidates program | Wh
 uniform vec3 rotation;    //! (0, 0, 0) [-180, 180] unit deg step 1 | Rotation of every iteration, about x, y and z in turn
 uniform vec3 shift;       //! (1, 1, 1) [-2, 2] step 0.01 | Factors of the point that every iteration adds
 uniform int iterations;   //! 14 [1, 40] | Most iterations of the map
-uniform float bailout;    //! 100 [10, 10000] log | Escape radius
+uniform float bailout;   //! 100 [100, 10000] log | Escape radius
 
 void iterate(inout Orbit orbit) {
     vec3 z = orbit.z;

@@ -6,7 +6,7 @@ uniform float size;     //! 1.1 [0.9, 1.6] step 0.005 | Squared radius of the in
 uniform float thickness; //! 0 [0, 0.2] step 0.001 | Thickness of the shells
 uniform float extent;   //! 3 [0.5, 100] log | Radius of the ball that is cut out
 uniform int iterations; //! 8 [1, 30] | Iterations of the map
-uniform float bailout;  //! 1000 [10, 10000] log | Not used: nothing escapes
+uniform float bailout;  //! 1e9 [1e7, 1e12] log | Not used: nothing escapes
 
 // The cut needs the point itself, which the map does not.
 void start(inout Orbit orbit) { orbit.c = orbit.z; }

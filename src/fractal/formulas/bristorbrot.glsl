@@ -3,7 +3,10 @@
 #include "fractal/orbit.glsl"
 
 uniform int iterations; //! 12 [1, 100] | Most iterations of the map
-uniform float bailout; //! 4 [2, 100] log | Escape radius
+uniform float bailout; //! 4 [3, 100] log | Escape radius
+
+// The square stretches some directions by more than 2 r. Measured: up to 1.42 times the distance.
+const float step_factor = 0.7;
 
 void iterate(inout Orbit orbit) {
     vec3 z = orbit.z;

@@ -6,7 +6,7 @@ uniform vec4 constant; //! (-0.5, 0.5, 0.15, 0.2) [-2, 2] step 0.01 | The consta
 uniform int kind;      //! julia {julia, mandelbrot} invalidates program | One constant everywhere, or the point itself
 uniform float slice;   //! 0 [-1.5, 1.5] step 0.01 | The fourth coordinate of everything that is seen
 uniform int iterations; //! 14 [1, 100] | Most iterations of the map
-uniform float bailout; //! 4 [2, 100] log | Escape radius
+uniform float bailout; //! 4 [3, 100] log | Escape radius
 
 void start(inout Orbit orbit) {
     orbit.w = slice;

@@ -12,6 +12,9 @@ uniform float point;      //! 0 [0, 1] step 0.01 | How much of the point itself 
 uniform int iterations;   //! 16 [1, 40] | Most iterations of the map
 uniform float bailout;    //! 100 [10, 10000] log | Escape radius
 
+// What has escaped is measured from the origin instead of from the set. Measured: up to 1.03 times the distance.
+const float step_factor = 0.95;
+
 void iterate(inout Orbit orbit) {
     vec3 z = abs(orbit.z) + shift;
     float min2 = min_radius * min_radius;

@@ -6,7 +6,7 @@ uniform vec4 constant; //! (-0.2, 0.6, 0.2, 0.2) [-2, 2] step 0.01 | The constan
 uniform int kind;      //! julia {julia, mandelbrot} invalidates program | One constant everywhere, or the point itself (the Mandelbrot set, turned about its axis)
 uniform float slice;   //! 0 [-1.5, 1.5] step 0.01 | The fourth coordinate k of everything that is seen
 uniform int iterations; //! 12 [1, 100] | Most iterations of the map
-uniform float bailout; //! 4 [2, 100] log | Escape radius
+uniform float bailout; //! 4 [3, 100] log | Escape radius
 
 void start(inout Orbit orbit) {
     orbit.w = slice;
