@@ -7,7 +7,7 @@ uniform float fold;       //! 1 [0.5, 2] step 0.01 | Where the box fold reflects
 uniform float min_radius; //! 0.5 [0.05, 1] step 0.01 | Inside this radius the ball fold scales by a constant
 uniform float fixed_radius; //! 1 [0.2, 2] step 0.01 | Inside this radius the ball fold inverts
 uniform int iterations;   //! 14 [1, 40] | Most iterations of the map
-uniform float bailout;    //! 200 [10, 10000] log | Escape radius
+uniform float bailout;    //! 200 [150, 10000] log | Escape radius
 
 void iterate(inout Orbit orbit) {
     vec3 z = clamp(orbit.z, -fold, fold) * 2.0 - orbit.z;

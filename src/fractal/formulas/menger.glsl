@@ -1,5 +1,6 @@
 /// The Menger sponge, as folds and a scaling about a corner.
 /// Menger (1926); kaleidoscopic form after Knighty (2010), with the exact distance to the last cube.
+#include "fractal/fold.glsl"
 #include "fractal/orbit.glsl"
 
 uniform float scale;    //! 3 [1.5, 4] step 0.01 | Factor of every iteration: 3 is Menger's
@@ -8,20 +9,12 @@ uniform vec3 rotation;  //! (0, 0, 0) [-180, 180] unit deg step 1 | Rotation bet
 uniform int iterations; //! 6 [1, 20] | Iterations of the map
 uniform float bailout;  //! 100 [10, 10000] log | Escape radius
 
-mat3 turn() {
-    vec3 a = radians(rotation);
-    vec3 c = cos(a);
-    vec3 s = sin(a);
-    return mat3(1.0, 0.0, 0.0, 0.0, c.x, s.x, 0.0, -s.x, c.x) * mat3(c.y, 0.0, -s.y, 0.0, 1.0, 0.0, s.y, 0.0, c.y) *
-           mat3(c.z, s.z, 0.0, -s.z, c.z, 0.0, 0.0, 0.0, 1.0);
-}
-
 void iterate(inout Orbit orbit) {
     vec3 z = abs(orbit.z);
     if (z.x < z.y) z.xy = z.yx;
     if (z.x < z.z) z.xz = z.zx;
     if (z.y < z.z) z.yz = z.zy;
-    if (rotation != vec3(0.0)) z = turn() * z;
+    if (rotation != vec3(0.0)) z = fold_rotation(rotation) * z;
     vec3 shift = offset * (scale - 1.0);
     z = scale * z - shift;
     // The smallest coordinate is mirrored about the middle of the hole instead.

@@ -1,0 +1,40 @@
+# Writes OUTPUT: every formula of FOLDER as C++ in double precision, so that tests can compare a formula with the truth in the very
+# text that the GPU runs. tests/unit/glsl_in_double.hpp has GLSL's types and functions, and what is written here in turn.
+set(text "// Made by cmake/formulas_in_double.cmake from ${FOLDER}; do not edit.\n#include \"glsl_in_double.hpp\"\n")
+
+# GLSL whose only differences from C++ are these.
+function(to_cpp file result)
+  file(READ ${file} source)
+  string(REGEX REPLACE "#include[^\n]*\n" "" source "${source}")
+  string(REGEX REPLACE "(inout|out) ([A-Za-z0-9]+) " "\\2& " source "${source}")
+  string(REGEX REPLACE "uniform ([a-z0-9]+ [a-z0-9_]+);[^\n]*" "static \\1;" source "${source}")
+  set(${result} "${source}" PARENT_SCOPE)
+endfunction()
+
+to_cpp(${FOLDER}/../fold.glsl fold)
+string(APPEND text "namespace glsl {\n#define float double\n${fold}\n")
+
+file(GLOB formulas ${FOLDER}/*.glsl)
+set(table "")
+foreach(formula ${formulas})
+  get_filename_component(name ${formula} NAME_WE)
+  file(READ ${formula} glsl)
+  to_cpp(${formula} source)
+  if(NOT glsl MATCHES "void start\\(")
+    string(APPEND source "void start(Orbit&) {}\n")
+  endif()
+  if(NOT glsl MATCHES "float step_factor")
+    string(APPEND source "const float step_factor = 1.0;\n")
+  endif()
+  string(REGEX MATCHALL "uniform (bool|int|float|vec[234]) [a-z0-9_]+" uniforms "${glsl}")
+  set(list "")
+  foreach(uniform ${uniforms})
+    string(REGEX REPLACE "uniform [a-z0-9]+ ([a-z0-9_]+)" "{\"\\1\", &formula_${name}::\\1}, " uniform "${uniform}")
+    string(APPEND list "${uniform}")
+  endforeach()
+  string(APPEND text "namespace formula_${name} {\n${source}}\n")
+  string(APPEND table "    {\"${name}\", {${list}}, formula_${name}::start, formula_${name}::iterate, formula_${name}::estimate, formula_${name}::bound, formula_${name}::step_factor},\n")
+endforeach()
+
+string(APPEND text "#undef float\nconst std::vector<Formula>& formulas() {\n    static const std::vector<Formula> kAll{\n${table}    };\n    return kAll;\n}\n} // namespace glsl\n")
+file(WRITE ${OUTPUT} "${text}")

@@ -1,0 +1,35 @@
+/// The dodecahedron's fractal, kaleidoscopic: folds with the fifteen mirrors of the icosahedral group, a rotation and a scaling about a corner.
+/// Knighty (2010), "Kaleidoscopic (escape time) IFS"; a lower bound of the distance to the last dodecahedra.
+#include "fractal/fold.glsl"
+#include "fractal/orbit.glsl"
+
+uniform float scale;   //! 3.618034 [1.3, 5] step 0.01 | Factor of every iteration: at 3.618, the golden ratio plus 2, the dodecahedra touch
+uniform float bend;    //! 0 [-90, 90] unit deg | Moves the centre of the scaling from the corner (0) towards the middle of a face (37.4) or an edge
+uniform vec3 rotation; //! (0, 0, 0) [-180, 180] unit deg step 1 | Rotation before the folds, about x, y and z in turn
+uniform vec3 rotation_after; //! (0, 0, 0) [-180, 180] unit deg step 1 | Rotation after the folds
+uniform int iterations; //! 5 [1, 20] | Iterations of the map
+uniform float bailout; //! 100 [10, 10000] log | Escape radius
+
+vec3 corner() {
+    // Along the great circle through the corner and the face's middle.
+    vec3 from = fold_axis3(5);
+    vec3 to = fold_axis(5);
+    vec3 across = normalize(to - dot(to, from) * from);
+    return cos(radians(bend)) * from + sin(radians(bend)) * across;
+}
+
+void iterate(inout Orbit orbit) {
+    vec3 z = orbit.z;
+    if (rotation != vec3(0.0)) z = fold_rotation(rotation) * z;
+    z = fold_platonic(z, 5);
+    if (rotation_after != vec3(0.0)) z = fold_rotation(rotation_after) * z;
+    orbit.z = scale * z - (scale - 1.0) * corner();
+    orbit.derivative *= scale;
+}
+
+// A dodecahedron of circumradius 1 has its faces at 0.7947.
+float estimate(Orbit orbit) {
+    return (dot(fold_platonic(orbit.z, 5), fold_axis(5)) - 0.794654472) / orbit.derivative;
+}
+
+float bound() { return 1.001 + 1.0 / pow(scale, float(iterations)); }
