@@ -40,12 +40,13 @@ vec2 random_pair(ivec2 pixel, uint dimension) {
     uint seed = random_hash(uint(pixel.x) ^ random_hash(uint(pixel.y) ^ random_hash(dimension ^ random_hash(random_seed))));
     uint index = random_scramble(random_sample, seed);
     uint x = random_reverse(index);
-    uint y = 0u;
-    uint v = 0x80000000u;
-    for (uint i = index; i != 0u; i >>= 1) {
-        if ((i & 1u) != 0u) y ^= v;
-        v ^= v >> 1;
-    }
+    uint y = x;
+    // Sobol's second dimension is Pascal's triangle modulo 2, a Kronecker power of (1 1; 0 1) by Lucas' theorem: one step a factor.
+    y ^= (y & 0x55555555u) << 1;
+    y ^= (y & 0x33333333u) << 2;
+    y ^= (y & 0x0f0f0f0fu) << 4;
+    y ^= (y & 0x00ff00ffu) << 8;
+    y ^= y << 16;
     return vec2(random_unit(random_scramble(x, random_hash(seed ^ 0x51633e2du))),
                 random_unit(random_scramble(y, random_hash(seed ^ 0x68bc21ebu))));
 }
