@@ -1,3 +1,4 @@
+#include "render/environment_distribution.hpp"
 #include "render/kernel_sources.hpp"
 #include "render/renderer.hpp"
 
@@ -53,6 +54,7 @@ class KernelRenderer : public Renderer {
         generate_ =
             cache.get(name, generateSource(scene, subject, options), options.stage, {kFloat4, kFloat4, kFloat4});
         harmonicsKernel_ = cache.get("environment_sh", harmonicsSource(scene, options), options.stage, {kFloat4});
+        if (samplesEnvironment(scene)) distribution_.emplace(context, cache, options, scene);
         integrate_ = cache.get("integrate " + means, integrateSource(means), options.stage,
                                {kFloat4, kFloat4, kFloat4, kFloat4});
         present_ = cache.get("present " + means, presentSource(means), options.stage, {kFloat4, kFloat4, kFloat4});
@@ -79,11 +81,13 @@ class KernelRenderer : public Renderer {
         // Camera moves, the most frequent edits, leave the environment as it is.
         if (!environment_ || *environment_ != scene.environment || lights_ != scene.lights) {
             harmonicsKernel_->run(harmonicsTargets_);
+            if (distribution_) distribution_->update(scene, view);
             environment_ = scene.environment;
             lights_ = scene.lights;
         }
         generate_->setParameters("renderer", scene.renderer);
         generate_->set("environment_sh", harmonics_);
+        if (distribution_) distribution_->bind(*generate_);
         subject.bind(*generate_, scene);
         subject.bind(*prepass_, scene);
         prepass_->set("prepass_tile", 1 << kPrepassShift);
@@ -209,6 +213,7 @@ class KernelRenderer : public Renderer {
     std::unique_ptr<Picture> nothing_;
     gpu::Texture harmonics_;
     gpu::Targets harmonicsTargets_;
+    std::optional<EnvironmentDistribution> distribution_; ///< for renderers that sample it
     std::optional<parameter::Node> environment_; ///< what the harmonics were made of; skies also depend on lights
     std::vector<parameter::Node> lights_;
     gpu::Texture probeResult_;

@@ -39,6 +39,12 @@ std::string integratorOf(const scene::Scene& scene) {
     return tag != tags.end() ? tag->second : "mean";
 }
 
+bool samplesEnvironment(const scene::Scene& scene) {
+    const auto& tags = scene.renderer.module("type").tags;
+    const auto tag = tags.find("samples");
+    return tag != tags.end() && tag->second == "environment";
+}
+
 gpu::ShaderSource generateSource(const scene::Scene& scene, const Subject& subject, const BuildOptions& options) {
     requireInterfaces(scene, subject);
     gpu::ShaderSource source;
@@ -61,6 +67,13 @@ gpu::ShaderSource harmonicsSource(const scene::Scene& scene, const BuildOptions&
     gpu::ShaderSource source;
     addEnvironment(source, scene, options);
     source.addFile("render/glsl/environment_sh.glsl");
+    return source;
+}
+
+gpu::ShaderSource environmentPowerSource(const scene::Scene& scene, const BuildOptions& options) {
+    gpu::ShaderSource source;
+    addEnvironment(source, scene, options);
+    source.addFile("render/glsl/environment_power.glsl");
     return source;
 }
 

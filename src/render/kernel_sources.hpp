@@ -10,6 +10,9 @@ namespace apeiron::render {
 /// The accumulators that a scene's renderer wants: the `integrate` tag of its module ("mean" without one).
 std::string integratorOf(const scene::Scene& scene);
 
+/// Whether a scene's renderer draws directions from the environment: `#pragma apeiron samples environment`.
+bool samplesEnvironment(const scene::Scene& scene);
+
 /// `generate`: subject + environment + renderer module; 3 outputs.
 /// @throws Error (BadInput) when the renderer needs an interface that the subject does not give.
 gpu::ShaderSource generateSource(const scene::Scene& scene, const Subject& subject, const BuildOptions& options);
@@ -19,6 +22,9 @@ gpu::ShaderSource prepassSource(const scene::Scene& scene, const Subject& subjec
 
 /// The environment in spherical harmonics; 1 output.
 gpu::ShaderSource harmonicsSource(const scene::Scene& scene, const BuildOptions& options);
+
+/// How much light comes from each cell of the environment's distribution; 1 output.
+gpu::ShaderSource environmentPowerSource(const scene::Scene& scene, const BuildOptions& options);
 
 /// `integrate` of that name; 4 outputs.
 gpu::ShaderSource integrateSource(const std::string& integrator);

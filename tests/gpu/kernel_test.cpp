@@ -90,6 +90,7 @@ std::vector<NamedKernel> allKernels() {
             kernels.push_back({label, render::generateSource(scene, *subject, options)});
             kernels.push_back({label + " harmonics", render::harmonicsSource(scene, options)});
             kernels.push_back({label + " prepass", render::prepassSource(scene, *subject, options)});
+            kernels.push_back({label + " environment", render::environmentPowerSource(scene, options)});
             kernels.push_back({label + " probe", render::probeSource(scene, *subject, options)});
         }
         integrators.insert(render::integratorOf(scene));

@@ -448,7 +448,7 @@ TEST(SampledShadow, shows_the_part_of_the_suns_disc_that_is_not_covered) {
             // The hit's footprint decides how far from it rays start.
             "    Hit hit = Hit(1.0, from, 1e-4, 0.0);\n"
             "    LightSample light = LightSample(to, 1e30, spread, vec3(1.0));\n"
-            "    vec3 l = light_point(light, random_pair(pixel, 8u));\n"
+            "    vec3 l = light_sample(light, random_pair(pixel, 8u)).direction;\n"
             "    a = vec4(surface_blocked(hit, vec3(0.0, -1.0, 0.0), l, 1e30) ? 0.0 : 1.0, dot(l, to), 0.0, 0.0);\n"
             "}\n",
             {64, 64}, 1, [&](gpu::Kernel& kernel) {
@@ -656,11 +656,14 @@ class RayTracer {
         double sum = 0.0;
         const glm::dvec3 helper = std::abs(l_.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
         const glm::dvec3 x = glm::normalize(glm::cross(helper, l_));
-        const double r = spread_ * std::sqrt(uniform());
+        // Uniform in the disc's projected solid angle, which is what irradiance is about.
+        const double r = std::sin(std::atan(spread_)) * std::sqrt(uniform());
         const double phi = 2.0 * kPi * uniform();
-        const glm::dvec3 l = glm::normalize(l_ + r * (std::cos(phi) * x + std::sin(phi) * glm::cross(l_, x)));
+        const double along = std::sqrt(1.0 - r * r);
+        const glm::dvec3 l = along * l_ + r * (std::cos(phi) * x + std::sin(phi) * glm::cross(l_, x));
         glm::dvec3 ignored;
-        if (glm::dot(n, l) > 0.0 && nearest(p, l, ignored) == kNone) sum += kAlbedo / kPi * sun_ * glm::dot(n, l);
+        if (glm::dot(n, l) > 0.0 && nearest(p, l, ignored) == kNone)
+            sum += kAlbedo / kPi * sun_ * glm::dot(n, l) / along;
         glm::dvec3 up;
         do {
             up = 2.0 * glm::dvec3(uniform(), uniform(), uniform()) - 1.0;

@@ -2,15 +2,23 @@
 
 // Reflection models. `brdf_*` return f(v, l) * cos(n, l).
 
+float brdf_alpha(Material m) { return max(m.roughness * m.roughness, 2e-3); }
+
+vec3 brdf_f0(Material m) { return mix(vec3(0.04), m.albedo, m.metalness); }
+
 vec3 brdf_lambert(Material m, vec3 n, vec3 l) { return m.albedo * (max(dot(n, l), 0.0) * 0.318309886); }
+
+float brdf_exponent(Material m) {
+    float alpha = max(m.roughness * m.roughness, 1e-3);
+    return max(2.0 / (alpha * alpha) - 2.0, 0.0);
+}
 
 // Phong's model, normalised so that it conserves energy (Phong 1975; Lafortune & Willems 1994, eq. 8).
 vec3 brdf_phong(Material m, vec3 n, vec3 v, vec3 l) {
     float cosine = max(dot(n, l), 0.0);
-    float alpha = max(m.roughness * m.roughness, 1e-3);
-    float exponent = 2.0 / (alpha * alpha) - 2.0;
-    vec3 f0 = mix(vec3(0.04), m.albedo, m.metalness);
-    float lobe = pow(max(dot(reflect(-l, n), v), 0.0), max(exponent, 0.0)) * (exponent + 2.0) * 0.159154943;
+    float exponent = brdf_exponent(m);
+    vec3 f0 = brdf_f0(m);
+    float lobe = pow(max(dot(reflect(-l, n), v), 0.0), exponent) * (exponent + 2.0) * 0.159154943;
     return (m.albedo * (1.0 - f0) * ((1.0 - m.metalness) * 0.318309886) + f0 * lobe) * cosine;
 }
 
@@ -20,10 +28,20 @@ vec3 brdf_environment(Material m, vec3 n, vec3 v) {
     vec4 r = m.roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
     float a = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
     vec2 ab = vec2(-1.04, 1.04) * a + r.zw;
-    return mix(vec3(0.04), m.albedo, m.metalness) * ab.x + ab.y;
+    return brdf_f0(m) * ab.x + ab.y;
 }
 
-// Microfacets: GGX distribution (Walter et al. 2007, eq. 33), height-correlated Smith masking (Heitz 2014, eq. 99),
+// GGX distribution of facets (Walter et al. 2007, eq. 33). The sine by a product of vectors: one minus the cosine's square has
+// no digits left for narrow lobes.
+float brdf_distribution(float a2, vec3 n, vec3 h) {
+    float nh = dot(n, h);
+    if (nh <= 0.0) return 0.0;
+    vec3 sine = cross(n, h);
+    float d = a2 * nh * nh + dot(sine, sine);
+    return a2 / (3.141592654 * d * d);
+}
+
+// Microfacets: GGX distribution, height-correlated Smith masking (Heitz 2014, eq. 99),
 // Schlick's Fresnel (1994), over a Lambertian base: what the facets reflect of light from either direction does not reach it, so
 // that no more is reflected than arrives, and both directions can change places.
 vec3 brdf_ggx(Material m, vec3 n, vec3 v, vec3 l) {
@@ -31,17 +49,89 @@ vec3 brdf_ggx(Material m, vec3 n, vec3 v, vec3 l) {
     if (nl <= 0.0) return vec3(0.0);
     float nv = max(dot(n, v), 1e-3);
     vec3 h = normalize(v + l);
-    float nh = max(dot(n, h), 0.0);
     float lh = max(dot(l, h), 0.0);
-    float alpha = max(m.roughness * m.roughness, 2e-3);
+    float alpha = brdf_alpha(m);
     float a2 = alpha * alpha;
-    float d = nh * nh * (a2 - 1.0) + 1.0;
-    float distribution = a2 / (3.141592654 * d * d);
+    float distribution = brdf_distribution(a2, n, h);
     float masking = 0.5 / (nl * sqrt(a2 + (1.0 - a2) * nv * nv) + nv * sqrt(a2 + (1.0 - a2) * nl * nl));
-    vec3 f0 = mix(vec3(0.04), m.albedo, m.metalness);
+    vec3 f0 = brdf_f0(m);
     // Rounding can take the cosine past 1, and a power of a negative number is no number.
     vec3 fresnel = f0 + (1.0 - f0) * pow(max(1.0 - lh, 0.0), 5.0);
     vec3 through = 1.0 - max(brdf_environment(m, n, v), brdf_environment(m, n, l));
     vec3 diffuse = m.albedo * through * ((1.0 - m.metalness) * 0.318309886);
     return (diffuse + fresnel * (distribution * masking)) * nl;
+}
+
+// Sampling of the models by number: 0 lambert, 1 phong, 2 ggx.
+
+vec3 brdf_value(int model, Material m, vec3 n, vec3 v, vec3 l) {
+    if (model == 0) return brdf_lambert(m, n, l);
+    if (model == 1) return brdf_phong(m, n, v, l);
+    return brdf_ggx(m, n, v, l);
+}
+
+// Part of the samples that are drawn from the glossy lobe: about its part of the reflected light.
+float brdf_gloss(int model, Material m, vec3 n, vec3 v) {
+    if (model == 0) return 0.0;
+    vec3 gloss = model == 1 ? brdf_f0(m) : max(brdf_environment(m, n, v), 0.0);
+    vec3 base = m.albedo * max(1.0 - gloss, 0.0) * (1.0 - m.metalness);
+    float all = dot(gloss + base, vec3(1.0));
+    return all > 0.0 ? max(dot(gloss, vec3(1.0)) / all, 0.1) : 1.0;
+}
+
+// Probability per solid angle that brdf_sample() draws l: facets that v sees (Heitz 2018, eq. 17) or powers of the mirrored
+// cosine, and the cosine for the base.
+float brdf_pdf(int model, float gloss, Material m, vec3 n, vec3 v, vec3 l) {
+    float nl = dot(n, l);
+    if (nl <= 0.0) return 0.0;
+    float base = nl * 0.318309886;
+    if (model == 0) return base;
+    float lobe;
+    if (model == 1) {
+        float exponent = brdf_exponent(m);
+        lobe = pow(max(dot(reflect(-v, n), l), 0.0), exponent) * (exponent + 1.0) * 0.159154943;
+    } else {
+        float nv = max(dot(n, v), 1e-3);
+        float a2 = brdf_alpha(m) * brdf_alpha(m);
+        lobe = 0.5 * brdf_distribution(a2, n, normalize(v + l)) / (nv + sqrt(a2 + (1.0 - a2) * nv * nv));
+    }
+    return mix(base, lobe, gloss);
+}
+
+// x and y of an orthonormal basis about n (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
+mat3 brdf_frame(vec3 n) {
+    float s = n.z >= 0.0 ? 1.0 : -1.0;
+    float a = -1.0 / (s + n.z);
+    float b = n.x * n.y * a;
+    return mat3(vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x), vec3(b, s + n.y * n.y * a, -n.y), n);
+}
+
+// A facet's normal in proportion to its area as seen from v, in the frame of the surface (Heitz 2018, "Sampling the GGX
+// Distribution of Visible Normals", appendix A).
+vec3 brdf_facet(float alpha, vec3 v, vec2 u) {
+    vec3 seen = normalize(vec3(alpha * v.xy, v.z));
+    float length2 = dot(seen.xy, seen.xy);
+    vec3 x = length2 > 0.0 ? vec3(-seen.y, seen.x, 0.0) * inversesqrt(length2) : vec3(1.0, 0.0, 0.0);
+    vec3 y = cross(seen, x);
+    float r = sqrt(u.x);
+    float phi = 6.283185307 * u.y;
+    float a = r * cos(phi);
+    float b = mix(sqrt(max(1.0 - a * a, 0.0)), r * sin(phi), 0.5 * (1.0 + seen.z));
+    vec3 h = a * x + b * y + sqrt(max(1.0 - a * a - b * b, 0.0)) * seen;
+    return normalize(vec3(alpha * h.xy, max(h.z, 1e-6)));
+}
+
+// A direction for u in [0, 1)², `lobe` in [0, 1) to choose the lobe; it may be below the horizon, where the value is 0.
+vec3 brdf_sample(int model, float gloss, Material m, vec3 n, vec3 v, vec2 u, float lobe) {
+    mat3 frame = brdf_frame(n);
+    if (lobe < gloss && model == 2) {
+        vec3 h = frame * brdf_facet(brdf_alpha(m), v * frame, u);
+        return normalize(reflect(-v, h));
+    }
+    // A power of the cosine about the mirrored direction, or the first power about the normal.
+    bool mirrored = lobe < gloss;
+    float z = pow(1.0 - u.x, 1.0 / (mirrored ? brdf_exponent(m) + 1.0 : 2.0));
+    float r = sqrt(max(1.0 - z * z, 0.0));
+    vec3 l = vec3(r * cos(6.283185307 * u.y), r * sin(6.283185307 * u.y), z);
+    return normalize(mirrored ? brdf_frame(reflect(-v, n)) * l : frame * l);
 }

@@ -119,11 +119,11 @@ vec3 surface_normal(Hit hit, vec3 direction) {
     return length2 > 0.0 ? n * inversesqrt(length2) : -direction;
 }
 
-vec3 distance_leave(Hit hit, vec3 normal) { return hit.position + 1.5 * hit.footprint * normal; }
+vec3 surface_leave(Hit hit, vec3 normal) { return hit.position + 1.5 * hit.footprint * normal; }
 
 // Soft shadows from one march (Quilez 2010, with Aaltonen's closest-approach estimate of 2018).
 float surface_visibility(Hit hit, vec3 normal, vec3 direction, float t_max, float spread) {
-    Ray ray = Ray(distance_leave(hit, normal), direction, 0.0, t_max, hit.footprint, 0.0);
+    Ray ray = Ray(surface_leave(hit, normal), direction, 0.0, t_max, hit.footprint, 0.0);
     if (!distance_clip(ray)) return 1.0;
     float t = ray.t_min + hit.footprint;
     float visible = 1.0;
@@ -142,7 +142,7 @@ float surface_visibility(Hit hit, vec3 normal, vec3 direction, float t_max, floa
 }
 
 bool surface_blocked(Hit hit, vec3 normal, vec3 direction, float t_max) {
-    Ray ray = Ray(distance_leave(hit, normal), direction, 0.0, t_max, hit.footprint, 0.0);
+    Ray ray = Ray(surface_leave(hit, normal), direction, 0.0, t_max, hit.footprint, 0.0);
     if (!distance_clip(ray)) return false;
     float t = ray.t_min + hit.footprint;
     for (int i = 0; i < shadow_steps && t < ray.t_max; ++i) {

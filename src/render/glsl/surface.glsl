@@ -42,6 +42,9 @@ float surface_visibility(Hit hit, vec3 normal, vec3 direction, float t_max, floa
 // Whether anything is in the way: exact, for sampled light.
 bool surface_blocked(Hit hit, vec3 normal, vec3 direction, float t_max);
 
+// Where rays that leave the surface start.
+vec3 surface_leave(Hit hit, vec3 normal);
+
 // A lower bound of the distance from `position` to the nearest surface.
 float surface_distance(vec3 position);
 

@@ -12,19 +12,13 @@ uniform int shadow;            //! penumbra {none, hard, penumbra, sampled} inva
 uniform int ambient_occlusion; //! field {none, field, sampled} invalidates program | Occlusion of the environment's light: none, estimated from the distance field, or exact by one ray a sample
 uniform float sky_light;       //! 1 [0, 4] | Strength of the environment's light on surfaces
 
-vec3 reflected(Material m, vec3 n, vec3 v, vec3 l) {
-    if (brdf == 0) return brdf_lambert(m, n, l);
-    if (brdf == 1) return brdf_phong(m, n, v, l);
-    return brdf_ggx(m, n, v, l);
-}
-
 vec3 lit(ivec2 pixel, Hit hit, Material m, vec3 n, vec3 v) {
     vec3 sum = m.emission;
     for (int i = 0; i < light_count; ++i) {
         LightSample light = light_at(i, hit.position);
+        if (shadow == 3) light = light_sample(light, random_pair(pixel, 8u + uint(i)));
         vec3 l = light.direction;
-        if (shadow == 3) l = light_point(light, random_pair(pixel, 8u + uint(i)));
-        vec3 f = reflected(m, n, v, l) * light.irradiance;
+        vec3 f = brdf_value(brdf, m, n, v, l) * light.irradiance;
         if (max(f.r, max(f.g, f.b)) <= 0.0) continue;
         if (shadow == 1) f *= surface_visibility(hit, n, l, light.distance, 0.0);
         if (shadow == 2) f *= surface_visibility(hit, n, l, light.distance, light.spread);

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "gpu/kernel_cache.hpp"
+#include "render/subject.hpp"
+#include "render/view.hpp"
+
+namespace apeiron::render {
+
+/// The light of a scene's environment as a distribution of directions to sample, for renderers that say
+/// `#pragma apeiron samples environment` (see glsl/environment_distribution.glsl). Needs its context current.
+class EnvironmentDistribution {
+  public:
+    EnvironmentDistribution(const gpu::Context& context, gpu::KernelCache& cache, const BuildOptions& options,
+                            const scene::Scene& scene);
+
+    /// The environment, or a light that it depends on, has changed.
+    void update(const scene::Scene& scene, const View& view);
+
+    void bind(gpu::Kernel& kernel) const;
+
+  private:
+    gpu::Texture power_;
+    gpu::Targets powerTargets_;
+    gpu::Texture table_;
+    std::shared_ptr<gpu::Kernel> kernel_;
+};
+
+/// The table of glsl/environment_distribution.glsl for the mean radiance of each cell (the first channel counts).
+/// Negative values and what is no number count as black; an environment without light is uniform.
+std::vector<float> environmentTable(const Image<float>& power);
+
+} // namespace apeiron::render

@@ -1,0 +1,189 @@
+/// Global illumination: paths of light from the camera through any number of reflections. Unbiased but for the length of paths
+/// and the size of the smallest feature; more samples bring less noise, as their square root.
+/// Lights are not seen by the camera itself, only in reflections; the environment is. Kajiya (1986, "The Rendering Equation");
+/// light is found by sampling the lights, the environment and the reflection model, weighted by the power heuristic (Veach &
+/// Guibas 1995, "Optimally Combining Sampling Techniques").
+#pragma apeiron needs surface
+#pragma apeiron samples environment
+#pragma apeiron integrate mean
+#include "render/glsl/camera.glsl"
+#include "render/glsl/environment.glsl"
+#include "render/glsl/environment_distribution.glsl"
+#include "render/glsl/brdf.glsl"
+
+uniform int brdf;       //! ggx {lambert, phong, ggx} invalidates program | Reflection model
+uniform int bounces;    //! 8 [1, 64] log | Most reflections of a path: 1 is direct light alone
+uniform int roulette;   //! 3 [1, 64] log | Reflections after which dim paths may end by Russian roulette
+uniform int sampling;   //! mis {mis, light, brdf} invalidates program | How light is found: by sampling both the lights and the reflection model, or one alone (more noise, the same mean)
+uniform float limit;    //! 0 [0, 1000] log | Most radiance that one sample's indirect light may have, which removes fireflies and some light; 0: no limit
+uniform bool regularise; //! false invalidates program | Blur mirrors that are seen by rough surfaces: less noise from caustics, and a little less truth
+
+// Diameter per length of the cone that stands for a ray from a rough surface: what it meets need not be sharper than that.
+const float cone = 0.01;
+
+// What a ray that leaves a surface must know of it to weigh the light that it meets.
+struct Origin {
+    vec3 position;
+    vec3 normal;
+    float pdf;     // of the ray's direction by the reflection model
+    float chances; // sum over all lights; 0: all were sampled
+};
+
+float power_heuristic(float own, float other) {
+    float ratio = other / max(own, 1e-20);
+    return 1.0 / (1.0 + ratio * ratio);
+}
+
+// How much of the samples a light deserves at a surface: about the irradiance, and never 0 where there is some.
+float light_chance(int k, vec3 position, vec3 n) {
+    if (k == light_count) return 3.0 * 3.141592654 * environment_mean();
+    LightSample light = light_at(k, position);
+    return dot(light.irradiance, vec3(1.0)) * clamp(dot(n, light.direction) + light.spread, 0.0, 1.0);
+}
+
+// The part of the samples that were light k's.
+float light_part(int k, Origin from) {
+    return from.chances > 0.0 ? light_chance(k, from.position, from.normal) / from.chances : 1.0;
+}
+
+// Light of number k (light_count: the environment) that is reflected if nothing is in the way, by one direction.
+vec3 sampled_light(int k, float part, vec2 u, float gloss, vec3 position, Material m, vec3 n, vec3 v, out vec3 l, out float distance) {
+    float pdf;
+    bool sharp = false;
+    vec3 arriving;
+    if (k == light_count) {
+        l = environment_sample(u, pdf);
+        distance = 1e30;
+        arriving = environment_at(l) / pdf;
+    } else {
+        LightSample light = light_at(k, position);
+        sharp = light_sharp(light);
+        pdf = light_pdf(light);
+        light = light_sample(light, u);
+        l = light.direction;
+        distance = light.distance;
+        arriving = light.irradiance;
+    }
+    float weight = 1.0;
+    if (!sharp) {
+        if (sampling == 2) return vec3(0.0);
+        if (sampling == 0) weight = power_heuristic(part * pdf, brdf_pdf(brdf, gloss, m, n, v, l));
+    }
+    return brdf_value(brdf, m, n, v, l) * arriving * (weight / part);
+}
+
+// Light that a ray meets by chance: lights nearer than `end`, and the environment when the ray is `open`.
+vec3 met_light(Ray ray, Origin from, float end, bool open) {
+    vec3 sum = vec3(0.0);
+    if (sampling == 1) return sum;
+    for (int i = 0; i < light_count; ++i) {
+        LightSample light = light_at(i, from.position);
+        float distance;
+        vec3 seen = light_radiance(light, ray.direction, distance);
+        if (seen == vec3(0.0) || distance >= end) continue;
+        sum += seen * (sampling == 2 ? 1.0 : power_heuristic(from.pdf, light_part(i, from) * light_pdf(light)));
+    }
+    if (!open) return sum;
+    float weight = sampling == 2 ? 1.0 : power_heuristic(from.pdf, light_part(light_count, from) * environment_pdf(ray.direction));
+    return sum + weight * environment_at(ray.direction);
+}
+
+vec3 limited(vec3 light, bool indirect) {
+    float most = max(light.r, max(light.g, light.b));
+    return indirect && limit > 0.0 && most > limit ? light * (limit / most) : light;
+}
+
+void kernel_main(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 albedo) {
+    Ray ray = camera_ray(vec2(pixel) + 0.5 + camera_jitter(pixel));
+    float width = ray.width;
+    Origin from = Origin(vec3(0.0), vec3(0.0), 0.0, 0.0);
+    vec3 sum = vec3(0.0);
+    vec3 through = vec3(1.0); // what is left of light that comes along the ray when it reaches the camera
+    float smoothest = 0.0;
+    radiance = vec4(0.0, 0.0, 0.0, 1.0);
+    geometry = vec4(0.0);
+    albedo = vec4(0.0);
+    for (int bounce = 0; bounce <= bounces; ++bounce) {
+        // A medium will join here: the distance that the ray flies freely, and its phase function for the reflection model.
+        Hit hit;
+        bool found = surface_trace(ray, hit);
+        if (bounce > 0) {
+            sum += limited(through * met_light(ray, from, found ? hit.t : 1e30, !found), bounce > 1);
+        } else if (!found) {
+            radiance.a = environment_transparent ? 0.0 : 1.0;
+            sum = radiance.a * environment_at(ray.direction);
+        }
+        if (!found) break;
+
+        vec3 n = surface_normal(hit, ray.direction);
+        Material m = surface_material(hit, n);
+        if (bounce == 0) {
+            geometry = vec4(n, hit.t);
+            albedo = vec4(m.albedo, 1.0);
+        }
+        sum += limited(through * m.emission, bounce > 1);
+        if (bounce == bounces) break;
+        if (regularise) {
+            m.roughness = max(m.roughness, smoothest);
+            smoothest = max(smoothest, 0.7 * m.roughness);
+        }
+        // Normals of rough surfaces may point away from the eye, which reflection models do not know.
+        vec3 v = -ray.direction;
+        float behind = 1e-3 - dot(n, v);
+        if (behind > 0.0) v = normalize(v + behind * n);
+        float gloss = brdf_gloss(brdf, m, n, v);
+        uint dimension = 16u * uint(bounce + 1); // the camera has the first 16
+
+        // What the camera sees is lit by all lights; further on, each light has its chance.
+        int chosen = -1;
+        float part = 1.0;
+        from = Origin(hit.position, n, 0.0, 0.0);
+        if (bounce > 0) {
+            float u = random_pair(pixel, dimension + 2u).x;
+            float chance = 0.0;
+            for (int k = 0; k <= light_count; ++k) {
+                float weight = light_chance(k, hit.position, n);
+                from.chances += weight;
+                if (weight <= 0.0) continue;
+                // A reservoir of one (Chao 1982): the number is used up step by step.
+                float p = weight / from.chances;
+                if (u < p) {
+                    chosen = k;
+                    chance = weight;
+                    u /= p;
+                } else {
+                    u = (u - p) / (1.0 - p);
+                }
+            }
+            part = chance / max(from.chances, 1e-30);
+        }
+        int first = bounce == 0 ? 0 : (chosen < 0 ? 1 : chosen);
+        int last = bounce == 0 ? light_count : (chosen < 0 ? 0 : chosen);
+        uint pair = dimension + 3u;
+        for (int k = first; k <= last; ++k, ++pair) {
+            vec3 l;
+            float distance;
+            vec3 light = sampled_light(k, part, random_pair(pixel, pair), gloss, hit.position, m, n, v, l, distance);
+            if (max(light.r, max(light.g, light.b)) <= 0.0 || surface_blocked(hit, n, l, distance)) continue;
+            sum += limited(through * light, bounce > 0);
+        }
+
+        vec2 choice = random_pair(pixel, dimension + 1u);
+        vec3 l = brdf_sample(brdf, gloss, m, n, v, random_pair(pixel, dimension), choice.x);
+        from.pdf = brdf_pdf(brdf, gloss, m, n, v, l);
+        vec3 value = brdf_value(brdf, m, n, v, l);
+        if (from.pdf <= 0.0 || max(value.r, max(value.g, value.b)) <= 0.0) break;
+        through *= value / from.pdf;
+        if (bounce + 1 >= roulette) {
+            float survival = min(max(through.r, max(through.g, through.b)), 0.95);
+            if (choice.y >= survival) break;
+            through /= survival;
+        }
+        width += ray.spread * hit.t;
+        float spread = max(ray.spread, choice.x < gloss ? cone * brdf_alpha(m) : cone);
+        // Half of the width, as surface_blocked() has it: both ways to find light then meet the same surface.
+        ray = Ray(surface_leave(hit, n), l, 0.0, 1e30, 0.5 * width, spread);
+    }
+    bool finite = !any(isnan(sum)) && !any(isinf(sum));
+    radiance.rgb = finite ? sum : vec3(0.0);
+}
