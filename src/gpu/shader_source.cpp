@@ -227,7 +227,9 @@ void ShaderSource::addText(const std::string& name, const std::string& text) {
 
 void ShaderSource::addModule(const parameter::GlslModule& module, const std::string& prefix,
                              const parameter::Node& node, const std::string& slot, bool specialise, Rename rename) {
-    if (module.embedded && !included_.insert(module.file).second) return;
+    // A chosen module may be there several times, each with names of its own.
+    const std::string included = rename == Rename::All ? prefix + module.file : module.file;
+    if (module.embedded && !included_.insert(included).second) return;
     std::string text = withoutComments(module.source);
     std::set<std::string> names;
     if (rename == Rename::All) {

@@ -35,7 +35,7 @@ class ShaderSource {
 
     /// Adds a module, with `prefix` before its names, so that modules never collide. Its parameters of class Program,
     /// or all of them if `specialise`, become constants with `node`'s values; the others are bound to `slot`. A module
-    /// that was included before is not added again.
+    /// that was added before with that prefix, or as a file, is not added again.
     void addModule(const parameter::GlslModule& module, const std::string& prefix, const parameter::Node& node,
                    const std::string& slot, bool specialise, Rename rename = Rename::All);
 

@@ -43,7 +43,7 @@ gpu::ShaderSource generateSource(const scene::Scene& scene, const Subject& subje
     requireInterfaces(scene, subject);
     gpu::ShaderSource source;
     addEnvironment(source, scene, options);
-    subject.addSource(source, scene.subject, options);
+    subject.addSource(source, scene, options);
     source.addModule(scene.renderer.module("type"), "renderer_", scene.renderer, "renderer", options.specialise);
     return source;
 }
@@ -69,7 +69,7 @@ gpu::ShaderSource presentSource(const std::string& integrator) {
 
 gpu::ShaderSource probeSource(const scene::Scene& scene, const Subject& subject, const BuildOptions& options) {
     gpu::ShaderSource source;
-    subject.addSource(source, scene.subject, options);
+    subject.addSource(source, scene, options);
     source.addFile("render/glsl/probe.glsl");
     return source;
 }
