@@ -254,6 +254,11 @@ void ShaderSource::addModule(const parameter::GlslModule& module, const std::str
     append(module.file, module.embedded, text);
 }
 
+std::string ShaderSource::placeOf(int line) const {
+    const Place& place = places_.at(static_cast<std::size_t>(line) - 1);
+    return fmt::format("{}:{}", files_[place.file].name, place.line);
+}
+
 std::vector<ShaderSource::Output> ShaderSource::outputs() const {
     static const std::regex kMain(R"(\bvoid\s+kernel_main\s*\(([^)]*)\))");
     static const std::regex kOutput(R"(\bout\s+(?:highp\s+)?(\w+)\s+(\w+))");

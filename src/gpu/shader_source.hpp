@@ -40,6 +40,8 @@ class ShaderSource {
                    const std::string& slot, bool specialise, Rename rename = Rename::All);
 
     const std::string& text() const { return text_; }
+    /// file:line of a line of text(), from 1.
+    std::string placeOf(int line) const;
     const std::vector<UniformBinding>& bindings() const { return bindings_; }
     /// The parameters behind a kernel's `kernel_main(ivec2 pixel, out TYPE NAME, ...)`: its outputs, in order.
     struct Output {
