@@ -94,10 +94,11 @@ Json imageJson(const std::string& file) {
 }
 
 void printInfo(const scene::Scene& scene, const Json& image) {
-    std::vector<Row> rows{{"title", scene.title.empty() ? "(none)" : scene.title},
-                          {"subject", summary(scene.subject)},
-                          {"renderer", summary(scene.renderer)},
-                          {"camera", summary(scene.camera)}};
+    std::vector<Row> rows{{"title", scene.title.empty() ? "(none)" : scene.title}, {"subject", summary(scene.subject)}};
+    for (const parameter::Node& slot : scene.slots)
+        rows.push_back({"slot", summary(slot)});
+    rows.push_back({"renderer", summary(scene.renderer)});
+    rows.push_back({"camera", summary(scene.camera)});
     for (const parameter::Node& light : scene.lights)
         rows.push_back({"light", summary(light)});
     rows.push_back({"environment", summary(scene.environment)});

@@ -165,6 +165,10 @@ int render(const RenderOptions& options) {
     const Interrupt interrupt;
     session::Session session(*context, std::move(scene), sessionOptions);
 
+    if (!options.quiet)
+        for (const std::string& note : session.notes())
+            fmt::print(stderr, "apeiron: note: {}\n", note);
+
     const Stopwatch watch;
     bool complete = false;
     {

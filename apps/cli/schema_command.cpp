@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <memory>
 
 namespace apeiron::cli {
@@ -66,6 +67,10 @@ std::string parameterTable(const Json& parameters) {
     return text;
 }
 
+/// Where a document keeps its lists.
+const std::map<std::string, std::string> kListPaths{
+    {"light", "lights"}, {"effect", "post.effects"}, {"slot", "subject.slots"}};
+
 /// Without the full stop, for a sentence that goes on.
 std::string phrase(std::string doc) {
     while (doc.ends_with('.'))
@@ -79,7 +84,8 @@ std::string markdown(const Json& schema) {
     for (const auto& [role, description] : schema["roles"].items()) {
         const bool list = description["list"].get<bool>();
         for (const auto& [name, type] : description["types"].items()) {
-            const std::string path = role == "light" ? "lights.0" : role == "effect" ? "post.effects.0" : role;
+            const auto place = kListPaths.find(role);
+            const std::string path = place != kListPaths.end() ? place->second + ".0" : role;
             text += fmt::format("\n## {}{}\n\n{}. Path: `{}`{}\n\n{}", role, name.empty() ? "" : ": " + name,
                                 phrase(type["doc"].get<std::string>()), path + ".NAME", list ? " and so on." : ".",
                                 parameterTable(type["parameters"]));

@@ -123,6 +123,8 @@ class Engine {
                 add(node);
             for (const parameter::Node& node : scene.effects)
                 add(node);
+            for (const parameter::Node& node : scene.slots)
+                add(node);
             return modules.dump();
         });
     }

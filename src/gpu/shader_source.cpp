@@ -227,7 +227,9 @@ void ShaderSource::addText(const std::string& name, const std::string& text) {
 
 void ShaderSource::addModule(const parameter::GlslModule& module, const std::string& prefix,
                              const parameter::Node& node, const std::string& slot, bool specialise, Rename rename) {
-    if (module.embedded && !included_.insert(module.file).second) return;
+    // A chosen module may be there several times, each with names of its own.
+    const std::string included = rename == Rename::All ? prefix + module.file : module.file;
+    if (module.embedded && !included_.insert(included).second) return;
     std::string text = withoutComments(module.source);
     std::set<std::string> names;
     if (rename != Rename::Parameters) {
@@ -250,6 +252,11 @@ void ShaderSource::addModule(const parameter::GlslModule& module, const std::str
         }
     }
     append(module.file, module.embedded, text);
+}
+
+std::string ShaderSource::placeOf(int line) const {
+    const Place& place = places_.at(static_cast<std::size_t>(line) - 1);
+    return fmt::format("{}:{}", files_[place.file].name, place.line);
 }
 
 std::vector<ShaderSource::Output> ShaderSource::outputs() const {

@@ -36,11 +36,13 @@ class ShaderSource {
 
     /// Adds a module, with `prefix` before its names, so that modules never collide. Its parameters of class Program,
     /// or all of them if `specialise`, become constants with `node`'s values; the others are bound to `slot`. A module
-    /// that was included before is not added again.
+    /// that was added before with that prefix, or as a file, is not added again.
     void addModule(const parameter::GlslModule& module, const std::string& prefix, const parameter::Node& node,
                    const std::string& slot, bool specialise, Rename rename = Rename::All);
 
     const std::string& text() const { return text_; }
+    /// file:line of a line of text(), from 1.
+    std::string placeOf(int line) const;
     const std::vector<UniformBinding>& bindings() const { return bindings_; }
     /// The parameters behind a kernel's `kernel_main(ivec2 pixel, out TYPE NAME, ...)`: its outputs, in order.
     struct Output {

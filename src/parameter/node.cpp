@@ -98,6 +98,13 @@ const GlslModule& Node::module(std::string_view name) const {
     return *found->second;
 }
 
+const GlslModule& Node::file(std::string_view path) const {
+    const auto found =
+        std::find_if(files_.begin(), files_.end(), [&](const auto& module) { return module->file == path; });
+    assert(found != files_.end());
+    return **found;
+}
+
 Json Node::toJson(bool all) const {
     Json json = Json::object();
     if (!type_->name.empty()) json["type"] = type_->name;

@@ -52,6 +52,9 @@ class Node {
     /// The type's own GLSL files, in order.
     const std::vector<std::shared_ptr<const GlslModule>>& files() const { return files_; }
 
+    /// One of them, by its path. @pre the type has it (asserted).
+    const GlslModule& file(std::string_view path) const;
+
     /// Values as a JSON object, in schema order, `type` first; parameters at their default only if `all`, except
     /// `type`, which is always there. Users' own modules are saved with their source.
     Json toJson(bool all = false) const;

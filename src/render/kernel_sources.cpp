@@ -49,7 +49,7 @@ gpu::ShaderSource generateSource(const scene::Scene& scene, const Subject& subje
     requireInterfaces(scene, subject);
     gpu::ShaderSource source;
     addEnvironment(source, scene, options);
-    subject.addSource(source, scene.subject, options);
+    subject.addSource(source, scene, options);
     source.addModule(scene.renderer.module("type"), "renderer_", scene.renderer, "renderer", options.specialise,
                      gpu::ShaderSource::Rename::Everything);
     source.addFile("render/glsl/generate.glsl");
@@ -58,7 +58,7 @@ gpu::ShaderSource generateSource(const scene::Scene& scene, const Subject& subje
 
 gpu::ShaderSource prepassSource(const scene::Scene& scene, const Subject& subject, const BuildOptions& options) {
     gpu::ShaderSource source;
-    subject.addSource(source, scene.subject, options);
+    subject.addSource(source, scene, options);
     source.addFile("render/glsl/prepass.glsl");
     return source;
 }
@@ -91,7 +91,7 @@ gpu::ShaderSource presentSource(const std::string& integrator) {
 
 gpu::ShaderSource probeSource(const scene::Scene& scene, const Subject& subject, const BuildOptions& options) {
     gpu::ShaderSource source;
-    subject.addSource(source, scene.subject, options);
+    subject.addSource(source, scene, options);
     source.addFile("render/glsl/probe.glsl");
     return source;
 }

@@ -5,6 +5,8 @@
 
 #include <memory>
 #include <set>
+#include <string>
+#include <vector>
 
 namespace apeiron::render {
 
@@ -25,11 +27,13 @@ class Subject {
     virtual std::set<std::string> provides() const = 0;
 
     /// Adds GLSL that implements an interface. @throws Error (BadInput) for a user's file that lacks what is needed.
-    virtual void addSource(gpu::ShaderSource& source, const parameter::Node& node,
-                           const BuildOptions& options) const = 0;
+    virtual void addSource(gpu::ShaderSource& source, const scene::Scene& scene, const BuildOptions& options) const = 0;
 
     /// Sets the uniforms and textures behind that source. Positions in the shader are relative to the camera.
     virtual void bind(gpu::Kernel& kernel, const scene::Scene& scene) const = 0;
+
+    /// What someone should know about how a scene is shown, one sentence each: a choice that has no effect, a fallback.
+    virtual std::vector<std::string> notes(const scene::Scene& /*scene*/) const { return {}; }
 
     /// Background work (streaming, rebuilding), at most `budget` seconds. True when the picture is stale because of it.
     virtual bool update(const scene::Scene& /*scene*/, double /*budget*/) { return false; }
@@ -38,6 +42,7 @@ class Subject {
 /// A kind of subject: what the catalogue learns of it, and how to make one.
 struct SubjectType {
     parameter::NodeType node;
+    std::vector<parameter::NodeType> parts; ///< nodes of other roles that only it has a use for
     std::unique_ptr<Subject> (*create)();
 };
 

@@ -17,8 +17,8 @@ using parameter::Type;
 namespace {
 
 /// The order of roles in the document, which is also the order people think of them.
-constexpr std::string_view kRoles[] = {"camera",      "subject", "renderer", "light",
-                                       "environment", "post",    "effect",   "output"};
+constexpr std::string_view kRoles[] = {"camera",      "subject", "slot",   "renderer", "light",
+                                       "environment", "post",    "effect", "output"};
 
 Json toJsonArray(const std::vector<Parameter>& parameters) {
     Json array = Json::array();
@@ -58,7 +58,7 @@ Catalogue::Catalogue() {
 }
 
 bool Catalogue::isList(std::string_view role) {
-    return role == "light" || role == "effect";
+    return role == "light" || role == "effect" || role == "slot";
 }
 
 void Catalogue::add(NodeType type) {

@@ -12,7 +12,7 @@ class Catalogue {
 
     void add(parameter::NodeType type);
 
-    /// Whether a scene holds a list of nodes of that role (lights, effects).
+    /// Whether a scene holds a list of nodes of that role (slots, lights, effects).
     static bool isList(std::string_view role);
 
     /// The types of a role ("light"), in the order they were added; empty for an unknown role.

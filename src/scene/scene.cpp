@@ -68,12 +68,15 @@ Scene Scene::fromJson(std::shared_ptr<const Catalogue> catalogue, const JsonSour
         if (root.contains(key)) node = readNode(context, key, root[key], "/" + key, otherKeys);
     };
     read(scene.camera, "camera");
-    read(scene.subject, "subject");
+    const std::vector<std::string> otherSubjectKeys{"slots"};
+    read(scene.subject, "subject", otherSubjectKeys);
     read(scene.renderer, "renderer");
     read(scene.environment, "environment");
     read(scene.output, "output");
     const std::vector<std::string> otherPostKeys{"effects"};
     read(scene.post, "post", otherPostKeys);
+    if (root.contains("subject") && root["subject"].contains("slots"))
+        scene.slots = readNodes(context, "slot", root["subject"]["slots"], "/subject/slots", kMaxSlots);
     if (root.contains("lights")) scene.lights = readNodes(context, "light", root["lights"], "/lights", kMaxLights);
     if (root.contains("post") && root["post"].contains("effects"))
         scene.effects = readNodes(context, "effect", root["post"]["effects"], "/post/effects", kMaxEffects);
@@ -93,7 +96,9 @@ Json Scene::toJson(bool all) const {
         if (all || !part.empty()) json[key] = std::move(part);
     };
     write("camera", camera.toJson(all));
-    write("subject", subject.toJson(all));
+    Json shown = subject.toJson(all);
+    if (all || !slots.empty()) shown["slots"] = scene::toJson(slots, all);
+    write("subject", std::move(shown));
     write("renderer", renderer.toJson(all));
     json["lights"] = scene::toJson(lights, all); // also an empty list: left out, it would mean one sun
     write("environment", environment.toJson(all));
@@ -105,9 +110,9 @@ Json Scene::toJson(bool all) const {
 }
 
 bool Scene::operator==(const Scene& other) const {
-    return title == other.title && camera == other.camera && subject == other.subject && renderer == other.renderer &&
-           lights == other.lights && environment == other.environment && post == other.post &&
-           effects == other.effects && output == other.output;
+    return title == other.title && camera == other.camera && subject == other.subject && slots == other.slots &&
+           renderer == other.renderer && lights == other.lights && environment == other.environment &&
+           post == other.post && effects == other.effects && output == other.output;
 }
 
 namespace {
@@ -138,6 +143,7 @@ parameter::Invalidates difference(const Scene& from, const Scene& to) {
     using parameter::Invalidates;
     Invalidates result = difference(from.lights, to.lights, Invalidates::Samples);
     result = strongest(result, difference(from.effects, to.effects, Invalidates::Present));
+    result = strongest(result, difference(from.slots, to.slots, Invalidates::Program));
     for (const auto part :
          {&Scene::camera, &Scene::subject, &Scene::renderer, &Scene::environment, &Scene::post, &Scene::output})
         result = strongest(result, difference(from.*part, to.*part));

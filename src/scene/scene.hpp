@@ -7,8 +7,8 @@ namespace apeiron::scene {
 
 /// The scene document: everything that decides a picture, and nothing of the GPU.
 ///
-///     { "apeiron": 1, "title": "...", "camera": {...}, "subject": {"type": "fractal", ...}, "renderer": {...},
-///       "lights": [{"type": "sun", ...}], "environment": {...},
+///     { "apeiron": 1, "title": "...", "camera": {...}, "subject": {"type": "fractal", ..., "slots": [...]},
+///       "renderer": {...}, "lights": [{"type": "sun", ...}], "environment": {...},
 ///       "post": {..., "effects": [{"type": "vignette", ...}]}, "output": {...} }
 ///
 /// Every key may be left out and then has its default (a mandelbulb under one sun).
@@ -32,7 +32,8 @@ class Scene {
 
     /// Sets one value by path: `subject.power`, `lights.0.intensity` (or `lights[0].intensity`), `title`,
     /// `post.effects.0.strength`, `subject.type` and other `type`s. An index equal to the list's length with `.type`
-    /// appends a node (`lights.1.type=point`). Values are command-line text (see parameter::valueFromText) or JSON.
+    /// appends a node (`lights.1.type=point`); where nodes have no type, the key that chooses their module does
+    /// (`subject.slots.0.formula=mandelbox`). Values are command-line text (see parameter::valueFromText) or JSON.
     /// Whole parts are set by JSON as in a document (`lights`, `lights.0`, `camera`, `post.effects`); null removes a
     /// node from a list (`lights.0=null`).
     /// Returns what that makes stale. Nothing changes when it throws.
@@ -50,6 +51,7 @@ class Scene {
     std::string title;
     parameter::Node camera;
     parameter::Node subject;
+    std::vector<parameter::Node> slots; ///< what follows the subject's own formula in a hybrid
     parameter::Node renderer;
     std::vector<parameter::Node> lights;
     parameter::Node environment;
@@ -63,6 +65,7 @@ class Scene {
 
     static constexpr std::size_t kMaxLights = 8; ///< the length of the shaders' light arrays
     static constexpr std::size_t kMaxEffects = 32;
+    static constexpr std::size_t kMaxSlots = 8;
 
   private:
     std::shared_ptr<const Catalogue> catalogue_;

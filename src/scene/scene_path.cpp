@@ -87,9 +87,11 @@ class Edit {
         const Keys rest = keys.subspan(1);
         if (key == "title") return setTitle(rest);
         if (key == "lights") return setList({scene_.lights, "light", Scene::kMaxLights, Invalidates::Samples}, rest);
-        if (key == "post" && rest.empty()) return replacePost();
-        if (key == "post" && rest.front() == "effects")
-            return setList({scene_.effects, "effect", Scene::kMaxEffects, Invalidates::Present}, rest.subspan(1));
+        if (key == "post" && rest.empty()) return replaceWithList(scene_.post, "effects", effects());
+        if (key == "subject" && rest.empty()) return replaceWithList(scene_.subject, "slots", slots());
+        if (key == "post" && rest.front() == "effects") return setList(effects(), rest.subspan(1));
+        if (key == "subject" && rest.front() == "slots") return setList(slots(), rest.subspan(1));
+        if (key == "subject" && rest.size() == 1 && rest.front() == "type") return setSubjectType(rest);
         for (const auto& [name, node] :
              {std::pair("camera", &scene_.camera), std::pair("subject", &scene_.subject),
               std::pair("renderer", &scene_.renderer), std::pair("environment", &scene_.environment),
@@ -147,16 +149,26 @@ class Edit {
         return result;
     }
 
-    Invalidates replacePost() {
-        const std::vector<std::string> otherKeys{"effects"};
+    List effects() { return {scene_.effects, "effect", Scene::kMaxEffects, Invalidates::Present}; }
+    List slots() { return {scene_.slots, "slot", Scene::kMaxSlots, Invalidates::Program}; }
+
+    /// Replaces a node together with the list that is written among its parameters.
+    Invalidates replaceWithList(Node& node, const std::string& key, const List& list) {
+        const std::vector<std::string> otherKeys{key};
         const Json value = json();
-        Node post = readNode(context_, "post", value, "", otherKeys);
-        std::vector<Node> effects;
-        if (value.contains("effects"))
-            effects = readNodes(context_, "effect", value["effects"], "/effects", Scene::kMaxEffects);
-        const Invalidates chain = difference(scene_.effects, effects, Invalidates::Present);
-        scene_.effects = std::move(effects);
-        return strongest(chain, replace(scene_.post, std::move(post)));
+        Node changed = readNode(context_, node.type().role, value, "", otherKeys);
+        std::vector<Node> nodes;
+        if (value.contains(key)) nodes = readNodes(context_, list.role, value[key], "/" + key, list.limit);
+        const Invalidates result = difference(list.nodes, nodes, list.structure);
+        list.nodes = std::move(nodes);
+        return strongest(result, replace(node, std::move(changed)));
+    }
+
+    /// Another type of subject has no use for the old one's slots.
+    Invalidates setSubjectType(Keys rest) {
+        const Invalidates result = setNode(scene_.subject, rest);
+        if (result != Invalidates::Nothing) scene_.slots.clear();
+        return result;
     }
 
     Invalidates setList(const List& list, Keys rest) {
@@ -184,15 +196,25 @@ class Edit {
         return index;
     }
 
+    /// What decides which node of its role this is: its type, or else its module.
+    static std::string chooserOf(const NodeType& type) {
+        if (type.name.empty())
+            for (const parameter::Parameter& parameter : type.parameters)
+                if (parameter.type == parameter::Type::Module) return parameter.name;
+        return "type";
+    }
+
     Invalidates append(const List& list, Keys rest) {
         if (list.nodes.size() >= list.limit) throw tooMany(list.role, list.limit);
         if (rest.empty()) {
             list.nodes.push_back(readNode(context_, list.role, json(), ""));
             return list.structure;
         }
-        if (rest.size() > 1 || rest[0] != "type")
-            fail("there is no " + list.role + " " + std::to_string(list.nodes.size()), "set its .type first");
         Node node(scene_.catalogue().type(list.role, ""));
+        const std::string chooser = chooserOf(node.type());
+        if (rest.size() > 1 || rest[0] != chooser)
+            fail("there is no " + list.role + " " + std::to_string(list.nodes.size()),
+                 "set its ." + chooser + " first");
         setNode(node, rest);
         list.nodes.push_back(std::move(node));
         return list.structure;

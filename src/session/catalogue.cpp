@@ -14,8 +14,11 @@ const std::vector<render::SubjectType>& subjectTypes() {
 std::shared_ptr<const scene::Catalogue> catalogue() {
     static const std::shared_ptr<const scene::Catalogue> kCatalogue = [] {
         auto all = std::make_shared<scene::Catalogue>();
-        for (const render::SubjectType& type : subjectTypes())
+        for (const render::SubjectType& type : subjectTypes()) {
             all->add(type.node);
+            for (const parameter::NodeType& part : type.parts)
+                all->add(part);
+        }
         return all;
     }();
     return kCatalogue;

@@ -134,8 +134,8 @@ void Session::apply(parameter::Invalidates what, bool sizeChanged) {
 parameter::Invalidates Session::replace(scene::Scene scene, parameter::Invalidates what) {
     // A specialised session's kernels hold these parts' values as constants; cameras, lights and sizes are uniforms
     // always.
-    const bool constants =
-        scene.subject != scene_.subject || scene.renderer != scene_.renderer || scene.environment != scene_.environment;
+    const bool constants = scene.subject != scene_.subject || scene.slots != scene_.slots ||
+                           scene.renderer != scene_.renderer || scene.environment != scene_.environment;
     if (what == parameter::Invalidates::Samples && build_.specialise && constants)
         what = parameter::Invalidates::Program;
     const bool sizeChanged = sizeOf(scene) != sizeOf(scene_);
@@ -403,6 +403,10 @@ std::optional<double> Session::distanceAt(glm::ivec2 pixel) {
     const glm::ivec2 inside = glm::clamp(pixel, glm::ivec2(0), last);
     if (picture_->albedo.texel(inside).w <= 0.0F) return std::nullopt;
     return static_cast<double>(picture_->geometry.texel(inside).w);
+}
+
+std::vector<std::string> Session::notes() const {
+    return subject_->notes(scene_);
 }
 
 double Session::distanceToSurface() {

@@ -118,6 +118,9 @@ class Session {
     /// Distance from the camera to the nearest surface [world units]: what camera speed should follow.
     double distanceToSurface();
 
+    /// What someone should know about how the scene is shown (see render::Subject::notes()).
+    std::vector<std::string> notes() const;
+
     const Statistics& statistics() const { return statistics_; }
 
   private:

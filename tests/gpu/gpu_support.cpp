@@ -120,7 +120,7 @@ std::vector<Image<float>> runOnScene(const scene::Scene& scene, const std::strin
     source.addFile("render/glsl/environment.glsl");
     source.addFile("render/glsl/brdf.glsl");
     source.addModule(scene.environment.module("type"), "environment_", scene.environment, "environment", true);
-    subject->addSource(source, scene.subject, {gpu::Stage::Fragment, true});
+    subject->addSource(source, scene, {gpu::Stage::Fragment, true});
     source.addText("test", text);
     const render::View view(
         scene, {static_cast<int>(scene.output.integer("width")), static_cast<int>(scene.output.integer("height"))});

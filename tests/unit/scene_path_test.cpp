@@ -74,6 +74,27 @@ TEST_F(ScenePathTest, next_index_with_type_appends) {
     EXPECT_EQ(errorOf("lights.8.type", "sun"), "lights.8.type: at most 8 lights are possible");
 }
 
+TEST_F(ScenePathTest, slots_stand_among_the_subjects_parameters) {
+    EXPECT_EQ(errorOf("subject.slots.0.bend", "1"), "subject.slots.0.bend: there is no slot 0; set its .formula first");
+    const char* own = R"({"name": "own", "source": "uniform float twist; //! 1 [0, 2]"})";
+    EXPECT_EQ(set("subject.slots.0.formula", own), Invalidates::Program);
+    EXPECT_EQ(set("subject.slots.0.twist", "0.5"), Invalidates::Samples);
+    EXPECT_EQ(set("subject.slots.1", "{}"), Invalidates::Program);
+    EXPECT_EQ(set("subject.slots.1.bend", "2"), Invalidates::Samples);
+    EXPECT_EQ(Scene::parse(catalogueWithFakes(), "saved", scene_.toJson().dump()), scene_);
+    EXPECT_EQ(errorOf("subject.slots.1.bend", "3"), "subject.slots.1.bend: 3 is outside [0, 2]");
+    EXPECT_THAT(errorOf("subject", R"({"slots": [{"bned": 1}]})"), HasSubstr("did you mean 'bend'?"));
+    EXPECT_EQ(set("subject.slots.0", "null"), Invalidates::Program);
+    ASSERT_EQ(scene_.slots.size(), 1U);
+    EXPECT_EQ(scene_.slots[0].number("bend"), 2.0);
+    EXPECT_EQ(set("subject", R"({"slots": [{}, {"bend": 0.5}]})"), Invalidates::Program);
+    EXPECT_EQ(scene_.slots.size(), 2U);
+    EXPECT_EQ(set("subject.power", "9"), Invalidates::Samples);
+    EXPECT_EQ(scene_.slots.size(), 2U);
+    EXPECT_EQ(set("subject.type", "other"), Invalidates::Program);
+    EXPECT_TRUE(scene_.slots.empty()) << "they belonged to the other subject";
+}
+
 TEST_F(ScenePathTest, whole_parts_are_set_by_json) {
     EXPECT_EQ(set("camera", R"({"fov": 50})"), Invalidates::Samples);
     EXPECT_EQ(scene_.camera.number("fov"), 50);

@@ -21,6 +21,7 @@ inline std::shared_ptr<const scene::Catalogue> catalogueWithFakes() {
     auto catalogue = std::make_shared<scene::Catalogue>();
     catalogue->add({"subject", "fake", "A fake", {power, formula}, {}});
     catalogue->add({"subject", "other", "Another fake", {}, {}});
+    catalogue->add({"slot", "", "A fake slot", {formula}, {}});
     return catalogue;
 }
 

@@ -93,10 +93,10 @@ export interface Section {
 }
 
 /** The order in which people think of a scene; roles that are new to this page come after. */
-const kOrder = ['subject', 'renderer', 'light', 'environment', 'post', 'effect', 'camera', 'output'];
+const kOrder = ['subject', 'slot', 'renderer', 'light', 'environment', 'post', 'effect', 'camera', 'output'];
 
 /** Where the document keeps a role, if not under its name. */
-const kPaths: { [role: string]: string } = { light: 'lights', effect: 'post.effects' };
+const kPaths: { [role: string]: string } = { light: 'lights', effect: 'post.effects', slot: 'subject.slots' };
 
 /** Written in capitals wherever they stand. */
 const kAbbreviations = new Set(['ao', 'brdf', 'ct', 'fov', 'ggx', 'hdr', 'ibl', 'iso', 'lod', 'mip', 'mri', 'rgb', 'sh', 'srgb']);
@@ -280,8 +280,9 @@ function rowsOf(schema: Schema, type: NodeType, node: JsonObject, path: string, 
         if (isModule) schema.modules[parameter.folder ?? '']?.[String(value)]?.parameters.forEach(add);
     };
     type.parameters.forEach(add);
+    const lists = new Set(Object.values(kPaths)); // sections of their own
     for (const [name, value] of Object.entries(node)) {
-        if (seen.has(name) || Array.isArray(value) && value.some(isObject)) continue;
+        if (seen.has(name) || lists.has(`${path}.${name}`)) continue;
         rows.push({
             path: `${path}.${name}`,
             label: humanise(name),

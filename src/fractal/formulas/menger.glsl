@@ -1,6 +1,7 @@
 /// The Menger sponge, as folds and a scaling about a corner.
 /// Menger (1926); kaleidoscopic form after Knighty (2010), with the exact distance to the last cube.
 #include "fractal/fold.glsl"
+#pragma apeiron julia none
 #include "fractal/orbit.glsl"
 
 uniform float scale;    //! 3 [1.5, 4] step 0.01 | Factor of every iteration: 3 is Menger's

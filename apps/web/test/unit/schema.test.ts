@@ -48,6 +48,10 @@ const schema: Schema = {
             list: true,
             types: { '': { doc: '', parameters: [parameter({ name: 'type', type: 'module', folder: 'effects', default: 'bloom' })] } },
         },
+        slot: {
+            list: true,
+            types: { '': { doc: '', parameters: [parameter({ name: 'formula', type: 'module', folder: 'formulas', default: 'bulb' })] } },
+        },
         future: { list: false, types: { '': { doc: '', parameters: [parameter({ name: 'unheard_of', type: 'bool' })] } } },
     },
     modules: {
@@ -62,7 +66,7 @@ const schema: Schema = {
 const scene: SceneDocument = {
     apeiron: 1,
     camera: { fov: 40 },
-    subject: { type: 'fractal', formula: 'bulb', detail: 2, power: 8 },
+    subject: { type: 'fractal', formula: 'bulb', detail: 2, power: 8, slots: [{ formula: 'box', fold: 1 }] },
     lights: [{ type: 'point', radius: 1 }, { type: 'sun', azimuth: 10 }],
     post: { effects: [{ type: 'bloom', strength: 0.5 }] },
     future: { unheard_of: true },
@@ -137,7 +141,7 @@ describe('sections', () => {
     const find = (role: string) => sections.find((section) => section.role === role)!;
 
     it('come in the order of thought, with new roles last', () => {
-        expect(sections.map((section) => section.role)).toEqual(['subject', 'light', 'effect', 'camera', 'future']);
+        expect(sections.map((section) => section.role)).toEqual(['subject', 'slot', 'light', 'effect', 'camera', 'future']);
         expect(find('future').nodes[0]!.rows[0]).toMatchObject({ path: 'future.unheard_of', label: 'Unheard of' });
     });
 
@@ -150,6 +154,14 @@ describe('sections', () => {
         expect(find('light').list).toMatchObject({ path: 'lights', key: 'type', options: [{ value: 'sun' }, { value: 'point' }] });
         expect(find('effect').nodes[0]).toMatchObject({ path: 'post.effects.0', title: 'Bloom' });
         expect(find('effect').nodes[0]!.rows.map((row) => row.path)).toEqual(['post.effects.0.strength']);
+        expect(find('slot').list).toMatchObject({ path: 'subject.slots', key: 'formula', options: [{ value: 'bulb' }, { value: 'box' }] });
+        expect(find('slot').nodes[0]).toMatchObject({ path: 'subject.slots.0', title: 'Box' });
+    });
+
+    it('do not show a list among the parameters of what has it, even an empty one', () => {
+        const none = { ...scene, subject: { type: 'fractal', formula: 'bulb', detail: 1, power: 8, slots: [] } };
+        const [view] = sectionsOf(schema, none).find((section) => section.role === 'subject')!.nodes;
+        expect(view!.rows.map((row) => row.path)).toEqual(['subject.formula', 'subject.power', 'subject.detail']);
     });
 
     it("show a user's own formula like any other", () => {
