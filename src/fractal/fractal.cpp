@@ -46,6 +46,12 @@ class Fractal : public render::Subject {
         if (!names.contains("step_factor")) {
             source.addText("formula without step_factor", "const float formula_step_factor = 1.0;\n");
         }
+        const parameter::GlslModule& palette = node.module("palette");
+        if (!gpu::globalNames(palette.source).contains("color")) {
+            throw Error(ErrorKind::BadInput, "a palette must declare 'vec3 color(float t)'", palette.file + ":1",
+                        "see src/fractal/gradient.glsl");
+        }
+        source.addModule(palette, "palette_", node, "subject", options.specialise);
         for (const auto& file : node.files()) {
             source.addModule(*file, "subject_", node, "subject", options.specialise,
                              gpu::ShaderSource::Rename::Parameters);
@@ -70,10 +76,16 @@ render::SubjectType subjectType() {
     formula.invalidates = parameter::Invalidates::Program;
     formula.doc = "The map that is iterated: a name, or the path of a GLSL file of your own";
     formula.where = "src/fractal/fractal.cpp";
+    parameter::Parameter palette = formula;
+    palette.name = "palette";
+    palette.folder = "palettes";
+    palette.defaultValue = parameter::ModuleReference{"sunset", {}};
+    palette.doc =
+        "The colours along a measure, where coloring is palette: a name, or the path of a GLSL file of your own";
     return {{"subject",
              "fractal",
              "A three-dimensional fractal given by a distance estimate",
-             {formula},
+             {formula, palette},
              {"render/glsl/distance_surface.glsl", "fractal/fractal.glsl", "fractal/material.glsl"}},
             [] { return std::unique_ptr<render::Subject>(new Fractal); }};
 }
