@@ -104,7 +104,7 @@ vec3 air(vec3 radiance, Ray ray, float depth) {
 }
 
 void kernel_main(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 albedo) {
-    Ray ray = camera_ray(vec2(pixel) + 0.5 + camera_jitter(pixel));
+    Ray ray = camera_sample(pixel);
     Hit hit;
     bool found = surface_trace(ray, hit);
     radiance = vec4(0.0);
