@@ -107,6 +107,12 @@ class Fractal : public render::Subject {
                    const render::BuildOptions& options) const override {
         const std::vector<Turn> turns = turnsOf(scene);
         source.addFile("fractal/orbit.glsl");
+        const parameter::GlslModule& palette = scene.subject.module("palette");
+        if (!gpu::globalNames(palette.source).contains("color")) {
+            throw Error(ErrorKind::BadInput, "a palette must declare 'vec3 color(float t)'", palette.file + ":1",
+                        "see src/fractal/gradient.glsl");
+        }
+        source.addModule(palette, "palette_", scene.subject, "subject", options.specialise);
         for (const Turn& turn : turns)
             addFormula(source, turn, options.specialise);
         for (const auto& file : scene.subject.files()) {
@@ -138,10 +144,6 @@ class Fractal : public render::Subject {
     }
 };
 
-} // namespace
-
-namespace {
-
 parameter::Parameter formulaParameter(const char* doc) {
     parameter::Parameter formula;
     formula.name = "formula";
@@ -152,6 +154,19 @@ parameter::Parameter formulaParameter(const char* doc) {
     formula.doc = doc;
     formula.where = "src/fractal/fractal.cpp";
     return formula;
+}
+
+parameter::Parameter paletteParameter() {
+    parameter::Parameter palette;
+    palette.name = "palette";
+    palette.type = parameter::Type::Module;
+    palette.folder = "palettes";
+    palette.defaultValue = parameter::ModuleReference{"sunset", {}};
+    palette.invalidates = parameter::Invalidates::Program;
+    palette.doc =
+        "The colours along a measure, where coloring is palette: a name, or the path of a GLSL file of your own";
+    palette.where = "src/fractal/fractal.cpp";
+    return palette;
 }
 
 } // namespace
@@ -166,7 +181,8 @@ render::SubjectType subjectType() {
     return {{"subject",
              "fractal",
              "A three-dimensional fractal given by a distance estimate",
-             {formulaParameter("The map that is iterated: a name, or the path of a GLSL file of your own")},
+             {formulaParameter("The map that is iterated: a name, or the path of a GLSL file of your own"),
+              paletteParameter()},
              {"render/glsl/distance_surface.glsl", "fractal/fractal.glsl", "fractal/material.glsl", kSlotFile}},
             {std::move(slot)},
             [] { return std::unique_ptr<render::Subject>(new Fractal); }};

@@ -18,6 +18,9 @@ View::View(const scene::Scene& scene, glm::ivec2 size) : size_(size) {
     const double extent = 2.0 * std::tan(0.5 * camera.fov());
     extent_ = static_cast<float>(orthographic_ ? extent * camera.distance() : extent);
     filter_ = scene.camera.choice("filter");
+    focus_ = static_cast<float>(camera.focus());
+    lens_ = static_cast<float>(0.5 * scene.camera.number("aperture") * camera.focus());
+    blades_ = static_cast<int>(scene.camera.integer("blades"));
 
     bool sunSeen = false;
     for (const parameter::Node& light : scene.lights) {
@@ -57,6 +60,9 @@ void View::upload(gpu::Kernel& kernel) const {
     kernel.set("camera_extent", extent_);
     kernel.set("camera_orthographic", orthographic_);
     kernel.set("camera_filter", filter_);
+    kernel.set("camera_lens", lens_);
+    kernel.set("camera_focus", focus_);
+    kernel.set("camera_blades", blades_);
     kernel.set("light_count", static_cast<int>(lightKinds_.size()));
     if (!lightKinds_.empty()) {
         kernel.set("light_kind", std::span<const int>(lightKinds_));

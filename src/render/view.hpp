@@ -26,6 +26,9 @@ class View {
     float extent_ = 1.0F;
     bool orthographic_ = false;
     int filter_ = 0;
+    float lens_ = 0.0F;
+    float focus_ = 1.0F;
+    int blades_ = 0;
     std::vector<int> lightKinds_;
     std::vector<glm::vec4> lightPlaces_;
     std::vector<glm::vec3> lightColors_;

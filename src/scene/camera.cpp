@@ -136,6 +136,22 @@ double Camera::distance() const {
     return length(difference(target(), position()));
 }
 
+double Camera::focus() const {
+    const double focus = node_.number("focus");
+    return focus > 0.0 ? focus : distance();
+}
+
+void Camera::focusOn(double distance, glm::dvec2 place, double aspect) {
+    if (!std::isfinite(distance) || distance <= 0.0) return;
+    double depth = distance;
+    if (node_.text("projection") == "perspective") {
+        const glm::dvec2 slope = place * std::tan(0.5 * fov()) * glm::dvec2(aspect, 1.0);
+        depth /= std::sqrt(1.0 + glm::dot(slope, slope));
+    }
+    const parameter::Parameter& declared = node_.schema().at("focus");
+    node_.set("focus", std::min(depth, declared.maximum.value()));
+}
+
 void Camera::orbit(double yaw, double pitch) {
     if (!std::isfinite(yaw) || !std::isfinite(pitch)) return;
     makeOrbit();

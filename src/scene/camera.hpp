@@ -11,7 +11,7 @@ namespace apeiron::scene {
 ///
 /// Node parameters: `mode` {orbit, free}; `position` (Decimal3); `target` (Decimal3), `up` (vec3) and `roll` [deg]
 /// decide the orientation in orbit mode; `orientation` (vec4 quaternion x y z w) does in free mode; `fov` vertical
-/// [deg]; `projection` {perspective, orthographic}.
+/// [deg]; `projection` {perspective, orthographic}; `aperture`, `focus` and `blades` of the lens.
 class Camera {
   public:
     /// @pre node.type().role == "camera"
@@ -31,6 +31,13 @@ class Camera {
     double fov() const; ///< vertical [rad]
     /// From position to target [world units], computed without cancellation at any zoom.
     double distance() const;
+    /// From the camera to the plane that is sharp, along the view direction [world units]: `focus`, or distance() where
+    /// that is 0.
+    double focus() const;
+    /// Makes the plane sharp in which something lies that is seen at a point of the picture: from (-1, -1), the bottom
+    /// left, to (1, 1). @param distance to it along the ray through that point [world units] @param aspect of the
+    /// picture: width / height
+    void focusOn(double distance, glm::dvec2 place, double aspect);
 
     /// Turns around the target: positive yaw moves the camera to its right, positive pitch up [rad]. Stays clear
     /// of the poles. In free mode the target is first put `distance()` ahead, `roll` becomes what the free

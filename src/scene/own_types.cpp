@@ -69,6 +69,20 @@ NodeType camera() {
                     "Orthographic shows at the target what the perspective would: 2 distance tan(fov/2) of height")
                 .choices({"perspective", "orthographic"})
                 .invalidates(Invalidates::Samples),
+            Declare(
+                "aperture", Type::Float, 0.0,
+                "Diameter of the lens in units of the focal distance, so that zooming keeps the look; 0: everything "
+                "is sharp")
+                .range(0, 1)
+                .step(0.005)
+                .invalidates(Invalidates::Samples),
+            Declare("focus", Type::Float, 0.0, "Distance of the plane that is sharp; 0: the target's")
+                .range(0, 1e6)
+                .logarithmic()
+                .invalidates(Invalidates::Samples),
+            Declare("blades", Type::Int, std::int64_t{0}, "Blades of the lens' iris; fewer than 3: round")
+                .range(0, 16)
+                .invalidates(Invalidates::Samples),
             Declare("filter", Type::Choice, "gaussian", "Pixel filter for anti-aliasing")
                 .choices({"box", "tent", "gaussian"})
                 .invalidates(Invalidates::Samples),

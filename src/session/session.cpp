@@ -37,6 +37,14 @@ gpu::Stage chooseStage(const gpu::Context& context, const Options& options) {
     return c.compute && !c.software ? gpu::Stage::Compute : gpu::Stage::Fragment;
 }
 
+/// Whether the picture from both cameras is the same: without a lens, where its focus is makes no difference.
+bool seenAlike(parameter::Node a, const parameter::Node& b) {
+    if (a.number("aperture") != 0.0 || b.number("aperture") != 0.0) return a == b;
+    a.set("focus", b.value("focus"));
+    a.set("blades", b.value("blades"));
+    return a == b;
+}
+
 /// Refuses sizes that the device or this machine's memory cannot hold, before anything is allocated.
 void requireSize(const gpu::Context& context, glm::ivec2 size) {
     const gpu::Capabilities& c = context.capabilities();
@@ -132,6 +140,11 @@ void Session::apply(parameter::Invalidates what, bool sizeChanged) {
 }
 
 parameter::Invalidates Session::replace(scene::Scene scene, parameter::Invalidates what) {
+    if (scene.camera != scene_.camera && seenAlike(scene.camera, scene_.camera)) {
+        scene::Scene rest = scene;
+        rest.camera = scene_.camera;
+        what = scene::strongest(parameter::Invalidates::Present, scene::difference(scene_, rest));
+    }
     // A specialised session's kernels hold these parts' values as constants; cameras, lights and sizes are uniforms
     // always.
     const bool constants = scene.subject != scene_.subject || scene.slots != scene_.slots ||
@@ -179,6 +192,11 @@ void Session::setSpecialise(bool specialise) {
 void Session::setCamera(const scene::Camera& camera) {
     if (camera.node() == scene_.camera) return;
     // Projection and filter are uniforms too: no camera edit needs another program.
+    if (seenAlike(camera.node(), scene_.camera)) {
+        scene_.camera = camera.node();
+        stale_ = true;
+        return;
+    }
     const bool keep = options_.reproject && camera.node().value("projection") == scene_.camera.value("projection");
     if (keep) keepPicture();
     scene_.camera = camera.node();
@@ -407,6 +425,17 @@ std::optional<double> Session::distanceAt(glm::ivec2 pixel) {
 
 std::vector<std::string> Session::notes() const {
     return subject_->notes(scene_);
+}
+
+bool Session::focusAt(glm::ivec2 pixel) {
+    const std::optional<double> distance = distanceAt(pixel);
+    if (!distance) return false;
+    const glm::dvec2 whole(size());
+    const glm::dvec2 place = (2.0 * glm::dvec2(pixel) + 1.0 - whole) / whole * glm::dvec2(1.0, -1.0);
+    scene::Camera focused = camera();
+    focused.focusOn(*distance, place, whole.x / whole.y);
+    setCamera(focused);
+    return true;
 }
 
 double Session::distanceToSurface() {

@@ -115,6 +115,10 @@ class Session {
     /// Distance along the camera ray to what is seen at a pixel [world units]; nothing where it is background.
     std::optional<double> distanceAt(glm::ivec2 pixel);
 
+    /// Moves the camera's plane of focus to what is seen at a pixel; false, and nothing changes, where that is
+    /// background. Samples start anew only where the lens has an aperture.
+    bool focusAt(glm::ivec2 pixel);
+
     /// Distance from the camera to the nearest surface [world units]: what camera speed should follow.
     double distanceToSurface();
 

@@ -248,7 +248,8 @@ INSTANTIATE_TEST_SUITE_P(Kernels, EveryLook,
                          testing::Values(Look{"lambert", "none", "none", "perspective", "box"},
                                          Look{"phong", "hard", "field", "orthographic", "tent"},
                                          Look{"ggx", "penumbra", "sampled", "perspective", "gaussian"},
-                                         Look{"ggx", "sampled", "sampled", "perspective", "gaussian"}),
+                                         Look{"ggx", "sampled", "sampled", "perspective", "gaussian"},
+                                         Look{"ggx", "none", "steps", "perspective", "box"}),
                          [](const auto& instance) {
                              return fmt::format("{}_{}_{}", instance.param.brdf, instance.param.shadow,
                                                 instance.param.occlusion);

@@ -13,6 +13,12 @@ Ray prepass_cone(vec2 corner, float side) {
         cone.width = max(i == 0 ? 0.0 : cone.width, 2.0 * length(rim.origin - cone.origin));
         cone.spread = max(i == 0 ? 0.0 : cone.spread, 2.0 * length(rim.direction - cone.direction));
     }
+    // Rays from all over the lens meet the middle one in the plane of focus, part from it again behind, and are longer or shorter by up to
+    // the lens's radius.
+    if (camera_lens > 0.0) {
+        cone.width += 4.0 * camera_lens;
+        cone.spread += 2.0 * camera_lens / camera_focus;
+    }
     return cone;
 }
 

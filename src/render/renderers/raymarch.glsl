@@ -9,8 +9,17 @@
 
 uniform int brdf;              //! ggx {lambert, phong, ggx} invalidates program | Reflection model
 uniform int shadow;            //! penumbra {none, hard, penumbra, sampled} invalidates program | Shadows: one hard ray, a smooth estimate from one ray (somewhat larger than the exact shadow), or exact by sampling the light's disc
-uniform int ambient_occlusion; //! field {none, field, sampled} invalidates program | Occlusion of the environment's light: none, estimated from the distance field, or exact by one ray a sample
+uniform int ambient_occlusion; //! field {none, field, sampled, steps} invalidates program | Occlusion of the environment's light: none, estimated from the distance field, exact by rays, or for free from the steps that the camera ray took
+uniform int occlusion_rays;    //! 1 [1, 64] log | Rays a sample where occlusion is sampled: more are smoother at once, fewer are faster to the same end
+uniform float occlusion_strength; //! 1 [0, 8] step 0.05 | Power of the occlusion where it is estimated: 0 none, 1 as it is
 uniform float sky_light;       //! 1 [0, 4] | Strength of the environment's light on surfaces
+uniform float fog;             //! 0 [0, 100] log | Density of the fog: what is seen through it falls as exp(-density distance^0.75)
+uniform int fog_light;         //! environment {environment, color} invalidates program | What the fog shows: the environment behind it, or a colour of its own that hides the environment, too
+uniform vec3 fog_color;        //! (0.55, 0.62, 0.70) [0, 100] color | Radiance of fog with a colour of its own
+uniform bool glow;             //! false invalidates program | A shining haze around the surface
+uniform float glow_strength;   //! 0.1 [0, 100] log | Radiance of a ray that passes through a depth of glow_reach right at the surface
+uniform float glow_reach;      //! 0.05 [1e-6, 10] log | Distance from the surface at which the glow has fallen to 1/e
+uniform vec3 glow_color;       //! (1, 0.55, 0.2) [0, 1] color | Colour of the glow
 
 vec3 lit(ivec2 pixel, Hit hit, Material m, vec3 n, vec3 v) {
     vec3 sum = m.emission;
@@ -31,35 +40,78 @@ vec3 lit(ivec2 pixel, Hit hit, Material m, vec3 n, vec3 v) {
     vec3 diffuse = m.albedo * (brdf == 0 ? vec3(1.0) : (1.0 - m.metalness) * (1.0 - gloss));
     vec3 mirror = reflect(-v, n);
     vec3 towards = normalize(mix(mirror, n, m.roughness * m.roughness));
-    float open = 1.0;
     if (ambient_occlusion == 2) {
-        // One direction in proportion to the cosine: its radiance is the irradiance's unbiased estimate over pi.
         vec2 u = random_pair(pixel, 1u);
-        float z = 2.0 * u.x - 1.0;
-        float r = sqrt(max(1.0 - z * z, 0.0));
-        vec3 l = normalize(n * 1.0001 + vec3(r * cos(6.283185307 * u.y), r * sin(6.283185307 * u.y), z));
-        bool blocked = surface_blocked(hit, n, l, 1e30);
-        vec3 sky = blocked ? vec3(0.0) : environment_at(l);
-        return sum + sky_light * (diffuse * sky + (blocked ? vec3(0.0) : gloss * environment_at(towards)));
+        vec3 sky = vec3(0.0);
+        int open_rays = 0;
+        for (int i = 0; i < occlusion_rays; ++i) {
+            // A rank-1 lattice by the golden ratio, shifted by the sample's number (Cranley & Patterson 1976).
+            vec2 w = fract(u + vec2(float(i) / float(occlusion_rays), 0.618033989 * float(i)));
+            // Directions in proportion to the cosine: the mean of their radiance is the irradiance over pi.
+            float z = 2.0 * w.x - 1.0;
+            float r = sqrt(max(1.0 - z * z, 0.0));
+            vec3 l = normalize(n * 1.0001 + vec3(r * cos(6.283185307 * w.y), r * sin(6.283185307 * w.y), z));
+            if (surface_blocked(hit, n, l, 1e30)) continue;
+            sky += environment_at(l);
+            ++open_rays;
+        }
+        float rays = float(occlusion_rays);
+        return sum + sky_light * (diffuse * sky / rays + gloss * environment_at(towards) * (float(open_rays) / rays));
     }
+    float open = 1.0;
     if (ambient_occlusion == 1) open = surface_openness(hit, n);
+    // What is hard to reach for a ray is hard to reach for light.
+    if (ambient_occlusion == 3) open = exp(-8.0 * hit.effort);
+    if (ambient_occlusion != 0 && occlusion_strength != 1.0) open = pow(max(open, 1e-6), occlusion_strength);
     return sum + (sky_light * open) *
                      (diffuse * environment_irradiance(n) * 0.318309886 + gloss * environment_at(towards));
 }
 
-void kernel_main(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 albedo) {
-    Ray ray = camera_ray(vec2(pixel) + 0.5 + camera_jitter(pixel));
-    Hit hit;
-    if (!surface_trace(ray, hit)) {
-        float alpha = environment_transparent ? 0.0 : 1.0;
-        radiance = vec4(alpha * environment_at(ray.direction), alpha);
-        geometry = vec4(0.0);
-        albedo = vec4(0.0);
-        return;
+// The integral of exp(-distance / reach) along the ray up to `t_end`, in units of the reach: the light of a haze around the
+// surface that absorbs nothing. Between two points of the march the distance is taken as linear, for which the integral is exact.
+float glow_depth(Ray ray, float t_end) {
+    float t = ray.t_min;
+    float d = surface_distance(ray.origin + t * ray.direction) / glow_reach;
+    float sum = 0.0;
+    for (int i = 0; i < 160 && t < t_end; ++i) {
+        // Spheres where the surface is far away; short steps where the haze is.
+        float next = min(t + glow_reach * max(max(d - 4.0, 0.3 * d), 0.25), t_end);
+        float e = max(surface_distance(ray.origin + next * ray.direction), 0.0) / glow_reach;
+        float slope = e - d;
+        float mean = abs(slope) < 1e-2 ? exp(-0.5 * (d + e)) : (exp(-d) - exp(-e)) / slope;
+        sum += mean * (next - t) / glow_reach;
+        t = next;
+        d = e;
+        // Beyond this distance from the camera nothing can come near any more that would be seen.
+        if (d > 1e4) break;
     }
-    vec3 n = surface_normal(hit, ray.direction);
-    Material m = surface_material(hit, n);
-    radiance = vec4(lit(pixel, hit, m, n, -ray.direction), 1.0);
-    geometry = vec4(n, hit.t);
-    albedo = vec4(m.albedo, 1.0);
+    return sum;
+}
+
+// What the air between the camera and `depth` does to the light from there.
+vec3 air(vec3 radiance, Ray ray, float depth) {
+    if (fog > 0.0) {
+        vec3 light = fog_light == 0 ? environment_at(ray.direction) : fog_color;
+        radiance = mix(light, radiance, exp(-fog * pow(depth, 0.75)));
+    }
+    return radiance;
+}
+
+void kernel_main(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 albedo) {
+    Ray ray = camera_sample(pixel);
+    Hit hit;
+    bool found = surface_trace(ray, hit);
+    radiance = vec4(0.0);
+    geometry = vec4(0.0);
+    albedo = vec4(0.0);
+    if (found) {
+        vec3 n = surface_normal(hit, ray.direction);
+        Material m = surface_material(hit, n);
+        radiance = vec4(air(lit(pixel, hit, m, n, -ray.direction), ray, hit.t), 1.0);
+        geometry = vec4(n, hit.t);
+        albedo = vec4(m.albedo, 1.0);
+    } else if (!environment_transparent) {
+        radiance = vec4(air(environment_at(ray.direction), ray, 1e30), 1.0);
+    }
+    if (glow) radiance.rgb += glow_color * (glow_strength * glow_depth(ray, found ? hit.t : 1e30));
 }
