@@ -1,5 +1,5 @@
-// A camera that moves around the subject for a while and then stops: does every step keep to its budget, is there a whole picture
-// in every frame, and when is the still one converged?
+// A camera that moves around the subject for a while and then stops: does every step keep to its budget, is there a
+// whole picture in every frame, and when is the still one converged?
 //
 //     apeiron_motion [SCENE.json] [--size WxH] [--frames N] [--budget MS] [--dump FOLDER]
 
@@ -36,8 +36,8 @@ double percentile(const std::vector<double>& sorted, double part) {
 
 void printTimes(const char* what, std::vector<double> milliseconds) {
     std::sort(milliseconds.begin(), milliseconds.end());
-    fmt::print("| {} | {:.1f} | {:.1f} | {:.1f} |\n", what, percentile(milliseconds, 0.5), percentile(milliseconds, 0.99),
-               milliseconds.back());
+    fmt::print("| {} | {:.1f} | {:.1f} | {:.1f} |\n", what, percentile(milliseconds, 0.5),
+               percentile(milliseconds, 0.99), milliseconds.back());
 }
 
 /// Peak signal-to-noise ratio of two display-encoded pictures [dB].
@@ -83,7 +83,8 @@ void run(const Settings& settings) {
     }
     std::sort(fresh.begin(), fresh.end());
     fmt::print("{} at {} x {} on {}, {} frames, budget {} ms, interleave {}\n\n", settings.scene, settings.width,
-               settings.height, context->capabilities().renderer, settings.frames, settings.budgetMs, settings.interleave);
+               settings.height, context->capabilities().renderer, settings.frames, settings.budgetMs,
+               settings.interleave);
     fmt::print("| ms | median | 99 % | longest |\n|---|---|---|---|\n");
     printTimes("move and step", steps);
     printTimes("show (present, post, read back)", shows);

@@ -219,7 +219,7 @@ class Engine {
             const Decimal3 target = moved(place, factor * ahead);
             node.set("position", place);
             node.set("target", target);
-            session().setCamera(scene::Camera(std::move(node)));
+            session().moveCamera(scene::Camera(std::move(node)));
         });
     }
 
@@ -315,7 +315,7 @@ class Engine {
         guarded([&] {
             scene::Camera camera = session().camera();
             change(camera);
-            session().setCamera(camera);
+            session().moveCamera(camera);
         });
     }
 

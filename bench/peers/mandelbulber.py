@@ -8,7 +8,7 @@ radius 10; one sun, Lambertian surface of one colour.
 
 CPU seconds are user + system time of the whole process. mandelbulber2 does not say what part of it rendering took, so its start-up is
 measured by the same scene at 8x8 pixels and subtracted. Apeiron says it itself (--stats, phases.render.cpu_ms).
-Prints a Markdown table; figures are medians, ranges in brackets. `taskset -c 0 bench/peers/mandelbulber.py` measures on one core: two
+Prints a Markdown table for each scene and size; figures are medians, ranges in brackets. `taskset -c 0 bench/peers/mandelbulber.py` measures on one core: two
 threads of mandelbulber2 disturb each other, so it needs less CPU time there.
 """
 
@@ -25,6 +25,7 @@ import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
+SCENES = ["plain", "lit", "rays"]
 
 
 class Failure(Exception):
@@ -86,51 +87,35 @@ def figure(values):
     return f"{statistics.median(values):.2f} ({min(values):.2f} to {max(values):.2f})"
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--scene", choices=["plain", "lit"], default="plain",
-                        help="plain: direct light only; lit: with hard shadows and fast ambient occlusion")
-    parser.add_argument("--size", type=int, default=512, help="width and height of the picture [px]")
-    parser.add_argument("--runs", type=int, default=5, help="timed runs of each program, after one that is not timed")
-    parser.add_argument("--apeiron", type=pathlib.Path, default=ROOT / "build/release/apps/cli/apeiron",
-                        help="the program; when it is not there, mandelbulber2 is measured alone")
-    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/peers", help="folder for pictures and figures")
-    options = parser.parse_args()
+def compare(scene, size, options, out, home):
+    """Renders one scene in one size, prints its table and returns the ratio of the medians."""
+    stem = f"bulb_{scene}_{size}"
+    peer = Mandelbulber(scene, home)
+    ours = Apeiron(scene, options.apeiron.resolve()) if options.apeiron.exists() else None
+    peer_picture = out / f"{stem}_mandelbulber.png"
+    our_picture = out / f"{stem}_apeiron.png"
 
-    if not shutil.which("mandelbulber2"):
-        raise Failure("mandelbulber2 is missing; run scripts/install bench")
-    options.out.mkdir(parents=True, exist_ok=True)
-    out = options.out.resolve()
-    stem = f"bulb_{options.scene}_{options.size}"
-
-    with tempfile.TemporaryDirectory() as home:
-        peer = Mandelbulber(options.scene, home)
-        ours = Apeiron(options.scene, options.apeiron.resolve()) if options.apeiron.exists() else None
-        if not ours:
-            print(f"no {options.apeiron}: measuring mandelbulber2 alone", file=sys.stderr)
-        peer_picture = out / f"{stem}_mandelbulber.png"
-        our_picture = out / f"{stem}_apeiron.png"
-
-        startup, peer_runs, our_runs = [], [], []
-        for run in range(options.runs + 1):
-            results = (peer.render(8, out / "startup.png"), peer.render(options.size, peer_picture),
-                       ours.render(options.size, our_picture) if ours else None)
-            if run == 0:
-                continue
-            print(f"\rrun {run} of {options.runs}", end="", file=sys.stderr, flush=True)
-            startup.append(results[0][0])
-            peer_runs.append(results[1])
-            our_runs.append(results[2])
-        print(file=sys.stderr)
-        (out / "startup.png").unlink()
+    startup, peer_runs, our_runs = [], [], []
+    for run in range(options.runs + 1):
+        results = (peer.render(8, out / "startup.png"), peer.render(size, peer_picture),
+                   ours.render(size, our_picture) if ours else None)
+        if run == 0:
+            continue
+        print(f"\r{scene} {size}: run {run} of {options.runs}", end="", file=sys.stderr, flush=True)
+        startup.append(results[0][0])
+        peer_runs.append(results[1])
+        our_runs.append(results[2])
+    print(file=sys.stderr)
+    (out / "startup.png").unlink()
 
     begin = statistics.median(startup)
     peer_total = [cpu for cpu, _ in peer_runs]
     peer_net = [cpu - begin for cpu in peer_total]
     rows = [[peer.name, figure(peer_net), figure(startup), figure(peer_total), figure([wall for _, wall in peer_runs])]]
     cores = len(os.sched_getaffinity(0))
-    result = {"scene": options.scene, "size": options.size, "cores": cores, "mandelbulber2":
+    result = {"scene": scene, "size": size, "cores": cores, "mandelbulber2":
               {"render_cpu_s": peer_net, "startup_cpu_s": startup, "total_cpu_s": peer_total}}
+    ratio = None
     if ours:
         net, total, wall = ([run[i] for run in our_runs] for i in range(3))
         rows.append([f"{ours.name} ({ours.device})", figure(net), figure([t - n for t, n in zip(total, net)]),
@@ -140,7 +125,7 @@ def main():
         least = min(peer_net) / min(net)
         result["ratio"] = {"medians": ratio, "minima": least}
 
-    print(f"Mandelbulb, power 8, {options.scene}, {options.size} x {options.size}, {cores} core{'s'[:cores > 1]}, "
+    print(f"\nMandelbulb, power 8, {scene}, {size} x {size}, {cores} core{'s'[:cores > 1]}, "
           f"medians of {options.runs} (smallest to largest):\n")
     print("| program | rendering, CPU s | start-up and the rest, CPU s | whole process, CPU s | wall s |")
     print("|---|---|---|---|---|")
@@ -154,6 +139,35 @@ def main():
             measure(["oiiotool", peer_picture, "--ch", "R,G,B", our_picture, "--ch", "R,G,B", "--mosaic", "2x1", "-o", pair])
             print(f"Side by side, mandelbulber2 on the left: {pair}")
     (out / f"{stem}.json").write_text(json.dumps(result, indent=2) + "\n")
+    return ratio
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scene", choices=SCENES, action="append",
+                        help="plain: direct light only; lit: with hard shadows and fast ambient occlusion; rays: with hard "
+                             "shadows and ambient occlusion by rays (default: all)")
+    parser.add_argument("--size", type=int, action="append", help="width and height [px] (default: 512 and 1024)")
+    parser.add_argument("--runs", type=int, default=3, help="timed runs of each program, after one that is not timed")
+    parser.add_argument("--apeiron", type=pathlib.Path, default=ROOT / "build/release/apps/cli/apeiron",
+                        help="the program; when it is not there, mandelbulber2 is measured alone")
+    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/peers", help="folder for pictures and figures")
+    options = parser.parse_args()
+
+    if not shutil.which("mandelbulber2"):
+        raise Failure("mandelbulber2 is missing; run scripts/install peers")
+    if not options.apeiron.exists():
+        print(f"no {options.apeiron}: measuring mandelbulber2 alone", file=sys.stderr)
+    options.out.mkdir(parents=True, exist_ok=True)
+    ratios = []
+    with tempfile.TemporaryDirectory() as home:
+        for scene in options.scene or SCENES:
+            for size in options.size or [512, 1024]:
+                ratios.append((scene, size, compare(scene, size, options, options.out.resolve(), home)))
+    if all(ratio for _, _, ratio in ratios):
+        print("\n| picture | size | mandelbulber2 / Apeiron |\n|---|---|---|")
+        for scene, size, ratio in ratios:
+            print(f"| {scene} | {size} | **{ratio:.1f}** |")
 
 
 if __name__ == "__main__":

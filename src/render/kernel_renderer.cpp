@@ -4,7 +4,6 @@
 
 #include <array>
 #include <functional>
-#include <limits>
 #include <optional>
 
 namespace apeiron::render {
@@ -47,7 +46,8 @@ class KernelRenderer : public Renderer {
           front_(std::make_unique<Buffers<4>>(context, size, kAccumulator)),
           back_(std::make_unique<Buffers<4>>(context, size, kAccumulator)),
           starts_(context, gpu::PixelFormat::R32F, prepassSize_, "prepass_start"), startsTargets_(context, {&starts_}),
-          nothing_(std::make_unique<Picture>(context, glm::ivec2(1, 1), true)), harmonics_(context, kFloat4, {9, 1}, "environment_sh"), harmonicsTargets_(context, {&harmonics_}),
+          nothing_(std::make_unique<Picture>(context, glm::ivec2(1, 1), true)),
+          harmonics_(context, kFloat4, {9, 1}, "environment_sh"), harmonicsTargets_(context, {&harmonics_}),
           probeResult_(context, kFloat4, {1, 1}, "probe"), probeTargets_(context, {&probeResult_}) {
         const std::string name = scene.renderer.module("type").name;
         const std::string means = integratorOf(scene);
@@ -62,7 +62,8 @@ class KernelRenderer : public Renderer {
             const std::string moved = means + "_moved";
             return cache.get("present " + moved, presentSource(moved), stage, {kFloat4, kFloat4, kFloat4, kFloat4});
         };
-        prepass_ = cache.get("prepass", prepassSource(scene, subject, options), options.stage, {gpu::PixelFormat::R32F});
+        prepass_ =
+            cache.get("prepass", prepassSource(scene, subject, options), options.stage, {gpu::PixelFormat::R32F});
         if (subject.provides().contains("surface")) {
             // Compiled only when asked for: many sessions never do.
             makeProbe_ = [&cache, source = probeSource(scene, subject, options), stage = options.stage] {
@@ -149,12 +150,14 @@ class KernelRenderer : public Renderer {
         return {t[0].download(), t[1].download(), t[2].download(), t[3].download()};
     }
 
-    double distanceToSurface(const scene::Scene& scene, const Subject& subject) override {
-        if (!makeProbe_) return std::numeric_limits<double>::infinity();
+    Surroundings lookAround(const scene::Scene& scene, const Subject& subject, glm::vec3 way) override {
+        if (!makeProbe_) return {};
         if (!probe_) probe_ = makeProbe_();
         subject.bind(*probe_, scene);
+        probe_->set("probe_way", way);
         probe_->run(probeTargets_);
-        return static_cast<double>(probeResult_.texel({0, 0}).x);
+        const glm::vec4 seen = probeResult_.texel({0, 0});
+        return {static_cast<double>(seen.x), static_cast<double>(seen.y)};
     }
 
   private:

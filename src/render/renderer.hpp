@@ -7,6 +7,8 @@
 #include "render/subject.hpp"
 #include "render/view.hpp"
 
+#include <limits>
+
 namespace apeiron::render {
 
 /// How much of the first sample is there, and what else may be shown meanwhile.
@@ -19,9 +21,9 @@ struct Progress {
 /// The picture of before the camera moved: what a new one has not computed yet is taken from it.
 struct History {
     const Picture& picture;
-    const View& view;         ///< under which it was made; of the same size and projection as the present one
-    glm::vec3 offset{0.0F};   ///< from the present camera to its camera [world units]
-    float share = 0.0F;       ///< its weight where there are new values too, 0..1
+    const View& view;       ///< under which it was made; of the same size and projection as the present one
+    glm::vec3 offset{0.0F}; ///< from the present camera to its camera [world units]
+    float share = 0.0F;     ///< its weight where there are new values too, 0..1
 };
 
 /// How a picture comes about, in four verbs (after Lesar, Bohak & Marolt 2018): reset | generate -> integrate ->
@@ -67,8 +69,13 @@ class Renderer {
     /// The accumulators, for saving and merging.
     virtual Accumulation accumulation() const = 0;
 
-    /// Distance from the camera to the nearest surface [world units]; infinity where the subject cannot tell.
-    virtual double distanceToSurface(const scene::Scene& scene, const Subject& subject) = 0;
+    /// What is around the camera.
+    struct Surroundings {
+        double distance = std::numeric_limits<double>::infinity(); ///< to the nearest surface [world units]
+        double freePart = 1.0;                                     ///< of the way, before the surface comes near, 0..1
+    };
+    /// Looks around from the camera, and along a way [world units]. Subjects without surfaces are never in it.
+    virtual Surroundings lookAround(const scene::Scene& scene, const Subject& subject, glm::vec3 way) = 0;
 };
 
 /// A renderer whose verbs are kernels: `generate` from a module in a renderers/ folder, the others by its `integrate`

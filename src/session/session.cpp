@@ -374,9 +374,9 @@ void Session::present() {
     std::optional<render::History> history;
     if (cameraBefore_ && samples_ < fading) {
         const glm::vec3 offset(render::difference(cameraBefore_->position(), camera().position()));
-        const float share = samples_ == 0 ? kShareAtFirst
-                                          : kShareAtFirst * (1.0F - static_cast<float>(samples_) /
-                                                                        static_cast<float>(fading));
+        const float share = samples_ == 0
+                                ? kShareAtFirst
+                                : kShareAtFirst * (1.0F - static_cast<float>(samples_) / static_cast<float>(fading));
         history.emplace(render::History{*before_, *viewBefore_, offset, share});
     }
     renderer_->present(*picture_, interleave_, progress, history ? &*history : nullptr);
@@ -439,7 +439,35 @@ bool Session::focusAt(glm::ivec2 pixel) {
 }
 
 double Session::distanceToSurface() {
-    return renderer_->distanceToSurface(scene_, *subject_);
+    return renderer_->lookAround(scene_, *subject_, glm::vec3(0.0F)).distance;
+}
+
+bool Session::moveCamera(const scene::Camera& wanted) {
+    const scene::Camera here = camera();
+    const glm::dvec3 way = render::difference(wanted.position(), here.position());
+    const double part = renderer_->lookAround(scene_, *subject_, glm::vec3(way)).freePart;
+    if (part >= 1.0) {
+        setCamera(wanted);
+        return true;
+    }
+    parameter::Node node = wanted.node();
+    parameter::Decimal3 place = here.position();
+    for (std::size_t i = 0; i < 3; ++i)
+        place[i] = place[i] + Decimal(part * way[static_cast<int>(i)]);
+    node.set("position", place);
+    setCamera(scene::Camera(std::move(node)));
+    return false;
+}
+
+void Session::fly(const glm::dvec3& direction, double speed, double seconds) {
+    const double length = glm::length(direction);
+    if (length == 0.0 || seconds <= 0.0) return;
+    scene::Camera moved = camera();
+    const double distance = distanceToSurface();
+    const double scale = std::isfinite(distance) && distance > 0.0 ? distance : moved.distance();
+    // Towards a surface that is straight ahead, the distance falls exponentially, however long a frame takes.
+    moved.fly(direction * (scale * (1.0 - std::exp(-speed * seconds)) / length));
+    moveCamera(moved);
 }
 
 } // namespace apeiron::session

@@ -75,9 +75,16 @@ class Session {
     void setSpecialise(bool specialise);
     bool specialised() const { return build_.specialise; }
 
-    /// Moves the camera; samples start anew. What the picture so far shows is kept and seen from the new place, until there
-    /// is something better (see Options::reproject).
+    /// Moves the camera; samples start anew. What the picture so far shows is kept and seen from the new place, until
+    /// there is something better (see Options::reproject).
     void setCamera(const scene::Camera& camera);
+    /// Moves the camera, but not through a surface: it stops where one is so near that the way on would lead into it.
+    /// Whether it got there. From inside a surface every way is free.
+    bool moveCamera(const scene::Camera& wanted);
+    /// Flies on, at a speed in proportion to the distance of the nearest surface: that is approached for ever, and
+    /// never touched. @param direction in camera space (x right, y up, z backwards); its length does not matter
+    /// @param speed [distances to the surface per second] @param seconds since the last call [s]
+    void fly(const glm::dvec3& direction, double speed, double seconds);
     scene::Camera camera() const { return scene::Camera(scene_.camera); }
 
     /// Forgets all samples.
@@ -152,8 +159,8 @@ class Session {
     std::string subjectName_;
     std::unique_ptr<render::Renderer> renderer_;
     std::unique_ptr<render::Picture> picture_;
-    std::unique_ptr<render::Picture> before_;           ///< the picture of before the camera moved ...
-    std::optional<scene::Camera> cameraBefore_;         ///< ... and its camera; none: there is none
+    std::unique_ptr<render::Picture> before_;   ///< the picture of before the camera moved ...
+    std::optional<scene::Camera> cameraBefore_; ///< ... and its camera; none: there is none
     std::unique_ptr<render::View> viewBefore_;
     std::unique_ptr<post::Chain> chain_;
     std::unique_ptr<gpu::Texture> displayTexture_;
@@ -173,7 +180,7 @@ class Session {
     std::int64_t noiseCheck_ = 8;                                ///< the sample count at which noise is looked at next
     double noiseSeen_ = std::numeric_limits<double>::infinity(); ///< when it was looked at last
     bool moved_ = false; ///< the picture can show another view already, although nothing new was computed
-    bool stale_ = true;                                          ///< picture_ does not show the present state
+    bool stale_ = true;  ///< picture_ does not show the present state
     Statistics statistics_;
 };
 

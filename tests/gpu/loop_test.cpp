@@ -92,8 +92,8 @@ TEST_P(EveryInterleave, computes_each_offset_once_wherever_it_begins) {
 }
 
 TEST_P(EveryInterleave, covers_the_picture_evenly) {
-    // Of n points, no pixel is farther from one than a lattice that wastes nothing would have it, by more than the pixels' own
-    // grid: the circles of that radius around n points cover the torus about twice at most.
+    // Of n points, no pixel is farther from one than a lattice that wastes nothing would have it, by more than the
+    // pixels' own grid: the circles of that radius around n points cover the torus about twice at most.
     const Interleave interleave(GetParam());
     const int k = GetParam();
     for (int done = 1; done <= interleave.count(); ++done) {

@@ -99,6 +99,8 @@ vec3 air(vec3 radiance, Ray ray, float depth) {
 
 void kernel_main(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 albedo) {
     Ray ray = camera_sample(pixel);
+    // What counts steps or the way through the haze looks at the whole ray, not only at what the prepass leaves of it.
+    if (glow || ambient_occlusion == 3) ray.t_min = 0.0;
     Hit hit;
     bool found = surface_trace(ray, hit);
     radiance = vec4(0.0);
