@@ -19,7 +19,7 @@ uniform float limit;    //! 0 [0, 1000] log | Most radiance that one sample's in
 uniform bool regularise; //! false invalidates program | Blur mirrors that are seen by rough surfaces: less noise from caustics, and a little less truth
 
 // Diameter per length of the cone that stands for a ray from a rough surface: what it meets need not be sharper than that.
-const float cone = 0.01;
+const float cone = 0.005;
 
 // What a ray that leaves a surface must know of it to weigh the light that it meets.
 struct Origin {
