@@ -1,6 +1,7 @@
 /// Global illumination: paths of light from the camera through any number of reflections. Unbiased but for the length of paths
 /// and the size of the smallest feature; more samples bring less noise, as their square root.
-/// Lights are not seen by the camera itself, only in reflections; the environment is. Kajiya (1986, "The Rendering Equation");
+/// Lights are not seen by the camera itself, only in reflections; the environment is. Rough metals are somewhat dark, as light that
+/// is thrown from facet to facet is left out: white ones lose 11 % at a roughness of 0.5. Kajiya (1986, "The Rendering Equation");
 /// light is found by sampling the lights, the environment and the reflection model, weighted by the power heuristic (Veach &
 /// Guibas 1995, "Optimally Combining Sampling Techniques").
 #pragma apeiron needs surface
@@ -19,7 +20,7 @@ uniform float limit;    //! 0 [0, 1000] log | Most radiance that one sample's in
 uniform bool regularise; //! false invalidates program | Blur mirrors that are seen by rough surfaces: less noise from caustics, and a little less truth
 
 // Diameter per length of the cone that stands for a ray from a rough surface: what it meets need not be sharper than that.
-const float cone = 0.01;
+const float cone = 0.005;
 
 // What a ray that leaves a surface must know of it to weigh the light that it meets.
 struct Origin {
