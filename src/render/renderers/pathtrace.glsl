@@ -95,7 +95,7 @@ vec3 limited(vec3 light, bool indirect) {
 }
 
 void kernel_main(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 albedo) {
-    Ray ray = camera_ray(vec2(pixel) + 0.5 + camera_jitter(pixel));
+    Ray ray = camera_sample(pixel);
     float width = ray.width;
     Origin from = Origin(vec3(0.0), vec3(0.0), 0.0, 0.0);
     vec3 sum = vec3(0.0);
