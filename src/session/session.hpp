@@ -115,6 +115,10 @@ class Session {
     /// Distance from the camera to the nearest surface [world units]: what camera speed should follow.
     double distanceToSurface();
 
+    /// Why the picture shows nothing (the camera is inside the surface, nothing is in view, no light), in one line with
+    /// what to do; empty when it shows something. Reads the layers back.
+    std::string emptyReason();
+
     const Statistics& statistics() const { return statistics_; }
 
   private:
