@@ -74,8 +74,12 @@ void look(session::Session& session, const std::string& what, Seen& seen) {
     const bool everywhere = depths.size() == static_cast<std::size_t>(kSize.x) * kSize.y;
     const bool inside = everywhere && *farthest < 1e-3F && *farthest <= 1.3F * *nearest;
     const bool shows = !depths.empty() && !inside && brightest > 1.0F / 255.0F;
-    if (!shows) EXPECT_NE(reason, "") << what;
-    if (everywhere && *farthest > 0.01F) EXPECT_EQ(reason, "") << what;
+    if (!shows) {
+        EXPECT_NE(reason, "") << what;
+    }
+    if (everywhere && *farthest > 0.01F) {
+        EXPECT_EQ(reason, "") << what;
+    }
     seen.surface += shows;
     seen.explained += !reason.empty();
 }
