@@ -197,6 +197,10 @@ int render(const RenderOptions& options) {
                                            1e-3 * timeSinceStart().wallMs, noise});
         writeFile(*options.stats, stats.dump(2) + "\n");
     }
+    if (!options.quiet && session.samples() > 0) {
+        const std::string reason = session.emptyReason();
+        if (!reason.empty()) fmt::print(stderr, "apeiron: {}\n", reason);
+    }
     if (complete) return kDone;
     fmt::print(stderr, "apeiron: interrupted after {} of {}; {}\n", session.samples(), samplesText(wanted),
                saved.empty() ? "nothing to save yet" : fmt::format("saved {}", fmt::join(saved, ", ")));

@@ -132,6 +132,10 @@ class Session {
     /// What someone should know about how the scene is shown (see render::Subject::notes()).
     std::vector<std::string> notes() const;
 
+    /// Why the picture shows nothing (the camera is inside the surface, nothing is in view, no light), in one line with
+    /// what to do; empty when it shows something. Reads the layers back.
+    std::string emptyReason();
+
     const Statistics& statistics() const { return statistics_; }
 
   private:

@@ -96,7 +96,7 @@ TEST(Mandelbulb, is_the_power_of_triplex_numbers) {
     const auto points = randomPoints(100, 1.6, 1);
     for (const bool elevation : {false, true}) {
         session->set("subject.polar", std::string_view(elevation ? "elevation" : "zenith"));
-        for (const double power : {2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 8.5, 2.3}) {
+        for (const double power : {2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 13.0, 15.0, 16.0, 8.5, 2.3}) {
             session->set("subject.power", std::string_view(fmt::format("{}", power)));
             expectAgreement(
                 *session, points,

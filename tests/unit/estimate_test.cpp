@@ -9,6 +9,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <complex>
 #include <tuple>
 
 namespace apeiron::test {
@@ -203,6 +205,137 @@ TEST_P(Estimate, is_a_lower_bound_of_the_distance_and_no_needlessly_small_one) {
     // A march then needs a few times as many steps as with the distance itself, not ten times as many.
     EXPECT_GE(atDefaults.quantile(0.5), 0.2);
     EXPECT_GE(atDefaults.quantile(0.1), 0.05);
+}
+
+const glsl::Formula& formulaCalled(const std::string& name) {
+    return *std::find_if(glsl::formulas().begin(), glsl::formulas().end(),
+                         [&](const glsl::Formula& f) { return f.name == name; });
+}
+
+/// All points that differ by order and signs of the coordinates; `even`: by even permutations alone.
+std::vector<vec3> variants(const vec3& v, bool even = false) {
+    std::vector<vec3> all;
+    std::array<double, 3> order{v.x, v.y, v.z};
+    for (int turn = 0; turn < (even ? 3 : 6); ++turn) {
+        for (int signs = 0; signs < 8; ++signs) {
+            const vec3 p((signs & 1 ? -1.0 : 1.0) * order[0], (signs & 2 ? -1.0 : 1.0) * order[1],
+                         (signs & 4 ? -1.0 : 1.0) * order[2]);
+            if (std::none_of(all.begin(), all.end(), [&](const vec3& q) { return length(p - q) < 1e-9; }))
+                all.push_back(p);
+        }
+        std::rotate(order.begin(), order.begin() + 1, order.end());
+        if (turn == 2) std::swap(order[0], order[1]);
+    }
+    return all;
+}
+
+/// A set by its definition: smaller copies of itself at the corners of a convex solid that is given by its faces.
+struct Copies {
+    const char* formula;
+    double scale;
+    std::vector<vec3> corners;
+    std::vector<vec3> faces; ///< unit normals
+    double inradius;
+
+    bool contain(const vec3& p, int level) const {
+        if (level == 0) {
+            return std::all_of(faces.begin(), faces.end(), [&](const vec3& n) { return dot(p, n) <= inradius; });
+        }
+        if (dot(p, p) > 3.01) return false;
+        return std::any_of(corners.begin(), corners.end(),
+                           [&](const vec3& corner) { return contain(scale * p - (scale - 1.0) * corner, level - 1); });
+    }
+};
+
+std::vector<Copies> kaleidoscopic() {
+    const double golden = 0.5 + std::sqrt(1.25);
+    const auto unit = [](std::vector<vec3> all) {
+        for (vec3& v : all)
+            v = normalize(v);
+        return all;
+    };
+    // In the orientation of the folds: a twofold axis is z, a fivefold one lies in the plane y = 0.
+    const std::vector<vec3> twelve = unit(variants({1.0, 0.0, golden}, true));
+    std::vector<vec3> twenty = variants({0.0, 1.0 / golden, golden}, true);
+    for (const vec3& v : variants({1.0, 1.0, 1.0}))
+        twenty.push_back(v);
+    twenty = unit(twenty);
+    const std::vector<vec3> odd{{-1.0, -1.0, -1.0}, {1.0, 1.0, -1.0}, {-1.0, 1.0, 1.0}, {1.0, -1.0, 1.0}};
+    std::vector<vec3> even = odd;
+    for (vec3& v : even)
+        v = -v;
+    std::vector<vec3> snowflake = variants({1.0, 1.0, 0.0});
+    const std::vector<vec3> axes = variants({1.0, 0.0, 0.0});
+    snowflake.insert(snowflake.end(), axes.begin(), axes.end());
+    const double inradius = 0.794654472291766; // of icosahedra and dodecahedra with corners at 1
+    return {{"sierpinski", 2.0, even, unit(odd), std::sqrt(1.0 / 3.0)},
+            {"octahedron", 2.0, axes, unit(variants({1.0, 1.0, 1.0})), std::sqrt(1.0 / 3.0)},
+            {"icosahedron", 1.0 + golden, twelve, twenty, inradius},
+            {"dodecahedron", 2.0 + golden, twenty, twelve, inradius},
+            {"mosely", 3.0, snowflake, axes, 1.0}};
+}
+
+TEST(Kaleidoscopic, formulas_are_smaller_copies_of_themselves_at_the_corners) {
+    constexpr int kLevel = 3;
+    for (const Copies& set : kaleidoscopic()) {
+        Subject subject(formulaCalled(set.formula));
+        for (const parameter::Parameter& p : subject.module().parameters) {
+            if (p.name == "iterations") subject.set(p, std::int64_t{kLevel});
+            if (p.name == "scale") subject.set(p, set.scale);
+        }
+        std::mt19937 random(3);
+        std::uniform_int_distribution<std::size_t> corner(0, set.corners.size() - 1);
+        int inside = 0;
+        for (int i = 0; i < 400; ++i) {
+            // Near one of the last solids.
+            vec3 p = std::uniform_real_distribution<double>(0.2, 1.3)(random) * randomDirection(random);
+            for (int level = 0; level < kLevel; ++level)
+                p = (p + (set.scale - 1.0) * set.corners[corner(random)]) / set.scale;
+            const bool expected = set.contain(p, kLevel);
+            inside += expected;
+            EXPECT_EQ(subject(p) <= 0.0, expected) << set.formula << " at " << p.x << ", " << p.y << ", " << p.z;
+        }
+        EXPECT_GT(inside, 20) << set.formula;
+        EXPECT_LT(inside, 390) << set.formula;
+    }
+}
+
+TEST(Quaternion, is_the_square_of_quaternions) {
+    const Subject subject(formulaCalled("quaternion"));
+    const glm::dvec4 c(-0.2, 0.6, 0.2, 0.2);
+    std::mt19937 random(4);
+    for (int i = 0; i < 200; ++i) {
+        const vec3 p = 1.5 * randomDirection(random) * std::uniform_real_distribution<double>(0.1, 1.0)(random);
+        glm::dquat q(p.x, p.y, p.z, 0.0);
+        double derivative = 1.0;
+        for (int n = 0; n < 12 && glm::length(q) <= 4.0; ++n) {
+            derivative *= 2.0 * glm::length(q);
+            q = q * q + glm::dquat(c.x, c.y, c.z, c.w);
+        }
+        const double r = glm::length(q);
+        EXPECT_NEAR(subject(p), std::max(0.5 * r * std::log(r) / derivative, 0.0), 1e-9);
+    }
+}
+
+TEST(Hypercomplex, is_the_square_of_two_complex_numbers) {
+    const Subject subject(formulaCalled("hypercomplex"));
+    using Complex = std::complex<double>;
+    const Complex ca(-0.5 - 0.2, 0.5 + 0.15);
+    const Complex cb(-0.5 + 0.2, 0.5 - 0.15);
+    std::mt19937 random(5);
+    for (int i = 0; i < 200; ++i) {
+        const vec3 p = 1.5 * randomDirection(random) * std::uniform_real_distribution<double>(0.1, 1.0)(random);
+        Complex a(p.x, p.y + p.z);
+        Complex b(p.x, p.y - p.z);
+        const auto size = [&] { return std::sqrt(0.5 * (std::norm(a) + std::norm(b))); };
+        double derivative = 1.0;
+        for (int n = 0; n < 14 && size() <= 4.0; ++n) {
+            derivative *= 2.0 * std::max(std::abs(a), std::abs(b));
+            a = a * a + ca;
+            b = b * b + cb;
+        }
+        EXPECT_NEAR(subject(p), std::max(0.5 * size() * std::log(size()) / derivative, 0.0), 1e-9);
+    }
 }
 
 } // namespace
