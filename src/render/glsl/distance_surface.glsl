@@ -5,6 +5,8 @@
 //     float distance_estimate(vec3 p)   a lower bound of the distance to the surface
 //     vec4 distance_bound()             a sphere (centre, radius) around everything
 //
+//     vec3 distance_gradient(vec3 p)    its gradient, needed where `normals` is analytic only
+//
 // and the parameters that the functions below read.
 
 uniform float detail;         //! 1 [0.05, 20] log unit px | Size of the smallest feature that is resolved, in pixels
@@ -13,7 +15,10 @@ uniform int max_steps;        //! 400 [8, 4000] log | Most steps along a camera 
 uniform int shadow_steps;     //! 120 [8, 1000] log | Most steps along a shadow ray
 uniform float occlusion_reach; //! 0.12 [0.005, 2] log | How far ambient occlusion looks, relative to the distance from the camera
 
+uniform int normals;          //! tetrahedron {tetrahedron, analytic} invalidates program | Normals from four estimates around the point, smooth over the pixel's footprint; or the estimate's exact gradient by dual numbers: crisp, right for smooth surfaces and magnified views, noisy where there is detail below the pixel
+
 float distance_estimate(vec3 p);
+vec3 distance_gradient(vec3 p);
 vec4 distance_bound();
 
 float surface_distance(vec3 position) { return distance_estimate(position); }
@@ -57,11 +62,17 @@ bool surface_trace(Ray ray, out Hit hit) {
     return true;
 }
 
-// Gradient by four taps at the corners of a tetrahedron (Quilez 2015).
+// Gradient by four taps at the corners of a tetrahedron (Quilez 2015), or exact.
 vec3 surface_normal(Hit hit, vec3 direction) {
     float h = 0.5 * hit.footprint;
     const vec2 k = vec2(1.0, -1.0);
     vec3 n = vec3(0.0);
+    if (normals == 1) {
+        vec3 gradient = distance_gradient(hit.position);
+        float most = max(abs(gradient.x), max(abs(gradient.y), abs(gradient.z)));
+        // Squares of what is very large or small are no floats any more.
+        return most > 0.0 && most < 1e37 ? normalize(gradient / most) : -direction;
+    }
     // A loop keeps the compiler from writing the formula out four times.
     for (int i = 0; i < 4; ++i) {
         vec3 corner = i == 0 ? k.xyy : (i == 1 ? k.yyx : (i == 2 ? k.yxy : k.xxx));
