@@ -33,6 +33,10 @@ bool isMap(const Turn& turn) {
     return isMap(gpu::globalNames(turn.node.module("formula").source));
 }
 
+bool anyMap(const std::vector<Turn>& turns) {
+    return std::any_of(turns.begin(), turns.end(), [](const Turn& turn) { return isMap(turn); });
+}
+
 void requireFormula(const parameter::GlslModule& formula, const std::set<std::string>& names) {
     for (const Requirement& required : kRequired) {
         if (names.contains(required.name)) continue;
@@ -112,28 +116,30 @@ Derivative derivativeOf(const scene::Scene& scene, const std::vector<Turn>& turn
     case 2:
         return Derivative::Differences;
     default:
-        return std::any_of(turns.begin(), turns.end(), [](const Turn& turn) { return isMap(turn); })
-                   ? Derivative::DualIfPossible
-                   : Derivative::Formula;
+        return anyMap(turns) ? Derivative::DualIfPossible : Derivative::Formula;
     }
 }
 
 /// Adds second versions of functions, on dual numbers. Nothing is added when it throws.
-void addDual(gpu::ShaderSource& source, const std::string& function, const char* hint) {
-    std::string text;
-    try {
-        text = gpu::differentiate(source.text(), {function}, [&](int line) { return source.placeOf(line); });
-    } catch (const Error& error) {
-        throw Error(error.kind(), error.what(), {}, hint);
-    }
+void addDual(gpu::ShaderSource& source, const std::string& function) {
+    const std::string text =
+        gpu::differentiate(source.text(), {function}, [&](int line) { return source.placeOf(line); });
     source.addFile("gpu/glsl/dual.glsl");
     source.addText("the derivative of " + function, text);
+}
+
+Error withHint(const Error& error, const char* hint) {
+    return {error.kind(), error.what(), {}, hint};
 }
 
 void addFormulaEstimate(gpu::ShaderSource& source, bool gradient) {
     source.addFile("fractal/estimate_formula.glsl");
     if (!gradient) return source.addText("no gradient", "vec3 distance_gradient(vec3 p) { return vec3(0.0); }\n");
-    addDual(source, "fractal_distance", "choose subject.normals tetrahedron");
+    try {
+        addDual(source, "fractal_distance");
+    } catch (const Error& error) {
+        throw withHint(error, "choose subject.normals tetrahedron");
+    }
     source.addText("gradient", "vec3 distance_gradient(vec3 p) {\n"
                                "    return fractal_distance(Dual3(subject_origin + p, mat3(1.0))).g;\n}\n");
 }
@@ -160,16 +166,16 @@ std::optional<std::string> addFractal(gpu::ShaderSource& source, const scene::Sc
                          gpu::ShaderSource::Rename::Parameters);
     }
     source.addText("the formulas' turns", iterateText(turns) + boundText(turns));
-    if (isMap(turns.front())) source.addFile("fractal/automatic.glsl");
+    if (anyMap(turns)) source.addFile("fractal/automatic.glsl");
 
     std::optional<std::string> problem;
     Derivative derivative = derivativeOf(scene, turns);
     if (derivative == Derivative::Dual || derivative == Derivative::DualIfPossible) {
         try {
-            addDual(source, "fractal_orbit", "choose subject.derivative differences");
+            addDual(source, "fractal_orbit");
             source.addFile("fractal/estimate_dual.glsl");
         } catch (const Error& error) {
-            if (derivative == Derivative::Dual) throw;
+            if (derivative == Derivative::Dual) throw withHint(error, "choose subject.derivative differences");
             problem = error.what();
             derivative = Derivative::Differences;
         }

@@ -240,7 +240,7 @@ TEST(Normals, analytic_and_by_tetrahedron_agree_on_smooth_surfaces) {
         apart += glm::dot(glm::normalize(a), glm::normalize(b)) < std::cos(glm::radians(3.0));
     }
     EXPECT_GT(seen, 100U);
-    EXPECT_LE(apart, seen / 20); // where two sheets meet
+    EXPECT_LE(apart, seen / 10); // where two sheets meet within a footprint, the taps see both
 }
 
 } // namespace
