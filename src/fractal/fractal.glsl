@@ -4,6 +4,7 @@
 // A sequence of maps as a surface: the loop around their steps. What the surface is made of is in material.glsl.
 //
 //     void fractal_iterate(inout Orbit orbit)   the step whose turn it is, with what its slot does before
+//     int fractal_cycle()                       steps until the first slot's turn comes again
 //     float fractal_bound()                     radius of a sphere around the origin that holds everything
 //     float fractal_distance(vec3 p)            the distance to the surface
 //
@@ -15,7 +16,10 @@ uniform bool julia;          //! false invalidates program | Use one constant ev
 uniform vec3 julia_c;        //! (0.3, 0.5, -0.2) [-2, 2] step 0.01 | The constant of a Julia set
 uniform int distance;        //! auto {auto, log, linear} invalidates program | How the distance follows from the last orbit: as the (first) formula says; r ln(r) / 2 |dr|, for maps that grow as powers; r / |dr|, for maps that grow by factors
 
+uniform int derivative;      //! auto {auto, dual, differences} invalidates program | Where the distance has its derivative from: the formula, or dual numbers where it gives only its map; dual numbers (exact, of any formula and hybrid, slower); finite differences
+
 void fractal_iterate(inout Orbit orbit);
+int fractal_cycle();
 float fractal_bound();
 float fractal_distance(vec3 p);
 
@@ -49,9 +53,11 @@ float fractal_logarithmic(Orbit orbit) {
     return max(0.5 * r * log(r) / orbit.derivative, 0.0);
 }
 
+float fractal_linear(Orbit orbit) { return sqrt(orbit.r2) / orbit.derivative; }
+
 float fractal_estimate(Orbit orbit) {
     if (distance == 1) return fractal_logarithmic(orbit);
-    if (distance == 2) return sqrt(orbit.r2) / orbit.derivative;
+    if (distance == 2) return fractal_linear(orbit);
     return formula_estimate(orbit) * formula_step_factor;
 }
 

@@ -7,6 +7,11 @@
 //     void start(inout Orbit orbit)     optional: changes the orbit before the first step
 //     float bound()                     optional: radius of a sphere around the origin that holds everything
 //     const float step_factor           optional: by how much the estimate must be shortened to be a lower bound
+//
+// or, instead of iterate() and estimate(), nothing but its map: the distance then follows from the map's derivative, which
+// is found by dual numbers. `iterations` and `bailout` are optional then.
+//
+//     vec3 map(vec3 z, vec3 c)          one step: z -> f(z, c)
 
 struct Orbit {
     vec3 z;           // the point that is iterated

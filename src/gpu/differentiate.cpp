@@ -201,10 +201,12 @@ class Analysis {
             e.active = base.active && isDual(e.type);
             return;
         }
-        const std::size_t size = swizzle(e.text).size();
-        if (size == 0) fail(e.line, fmt::format("'.{}'", e.text));
         const std::string& whole = base.type;
         const char last = whole.back();
+        const std::vector<int> indices = swizzle(e.text);
+        const std::size_t size = indices.size();
+        if (size == 0 || *std::max_element(indices.begin(), indices.end()) >= last - '0')
+            fail(e.line, fmt::format("'.{}' of a {}", e.text, whole));
         const std::string stem =
             last >= '2' && last <= '4' ? whole.substr(0, whole.size() - 1) : whole; // "vec", "ivec"
         const std::map<std::string, std::string> scalars{

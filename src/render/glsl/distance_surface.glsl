@@ -5,6 +5,8 @@
 //     float distance_estimate(vec3 p)   a lower bound of the distance to the surface
 //     vec4 distance_bound()             a sphere (centre, radius) around everything
 //
+//     vec3 distance_gradient(vec3 p)    its gradient, needed where `normals` is analytic only
+//
 // and the parameters that the functions below read.
 
 uniform float detail;         //! 1 [0.05, 20] log unit px | Size of the smallest feature that is resolved, in pixels
@@ -16,7 +18,10 @@ uniform bool prepass;         //! true invalidates program | One cone per 8 x 8 
 uniform float relaxation;     //! 1.3 [1, 1.9] step 0.05 | Steps are longer than the estimate by this factor, and taken back where that goes too far: 1 for estimates that overshoot
 uniform float occlusion_reach; //! 0.12 [0.005, 2] log | How far ambient occlusion looks, relative to the distance from the camera
 
+uniform int normals;          //! tetrahedron {tetrahedron, analytic} invalidates program | Normals from four estimates around the point, smooth over the pixel's footprint; or the estimate's exact gradient by dual numbers: crisp, right for smooth surfaces and magnified views, noisy where there is detail below the pixel
+
 float distance_estimate(vec3 p);
+vec3 distance_gradient(vec3 p);
 vec4 distance_bound();
 
 // Without a bound, rays end where they are far beyond everything.
@@ -105,11 +110,17 @@ float surface_clear(Ray cone) {
     return t * 0.99999;
 }
 
-// Gradient by four taps at the corners of a tetrahedron (Quilez 2015).
+// Gradient by four taps at the corners of a tetrahedron (Quilez 2015), or exact.
 vec3 surface_normal(Hit hit, vec3 direction) {
     float h = 0.5 * hit.footprint;
     const vec2 k = vec2(1.0, -1.0);
     vec3 n = vec3(0.0);
+    if (normals == 1) {
+        vec3 gradient = distance_gradient(hit.position);
+        float most = max(abs(gradient.x), max(abs(gradient.y), abs(gradient.z)));
+        // Squares of what is very large or small are no floats any more.
+        return most > 0.0 && most < 1e37 ? normalize(gradient / most) : -direction;
+    }
     // A loop keeps the compiler from writing the formula out four times.
     for (int i = 0; i < 4; ++i) {
         vec3 corner = i == 0 ? k.xyy : (i == 1 ? k.yyx : (i == 2 ? k.yxy : k.xxx));
