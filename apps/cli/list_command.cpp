@@ -17,7 +17,8 @@ namespace apeiron::cli {
 namespace {
 
 /// The kinds whose members are GLSL files: named like their folders.
-const std::vector<std::string> kModuleKinds{"formulas", "renderers", "effects", "tonemappers", "environments"};
+const std::vector<std::string> kModuleKinds{"formulas",    "renderers",    "effects",
+                                            "tonemappers", "environments", "palettes"};
 
 struct Entry {
     std::string name;

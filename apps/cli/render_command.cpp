@@ -1,15 +1,19 @@
 #include "core/error.hpp"
 #include "core/file.hpp"
+#include "core/suggest.hpp"
 #include "interrupt.hpp"
 #include "io/image_file.hpp"
 #include "io/layers_file.hpp"
 #include "options.hpp"
+#include "parameter/text.hpp"
 #include "progress_bar.hpp"
 #include "scene_argument.hpp"
 #include "statistics.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <map>
 #include <memory>
 
@@ -32,6 +36,7 @@ struct RenderOptions {
     std::string bits = "8";
     std::string tile;
     std::string budget = "100";
+    std::optional<std::string> focus;
     std::optional<std::string> stats;
     bool quiet = false;
 };
@@ -134,6 +139,55 @@ class Writer {
     std::optional<render::Accumulation> accumulation_;
 };
 
+/// A place in the picture: "640,360" in pixels, or "0.5,0.25" as parts of its size, from the top left.
+glm::ivec2 pixelOf(const std::string& text, glm::ivec2 size) {
+    const auto fail = [&](const std::string& what) {
+        throw Error(ErrorKind::BadInput, what, "--focus",
+                    "pixels from the top left such as 640,360, or parts of the picture such as 0.5,0.5");
+    };
+    const std::size_t comma = text.find(',');
+    const std::array<std::string, 2> parts{text.substr(0, comma),
+                                           comma == std::string::npos ? "" : text.substr(comma + 1)};
+    const bool fraction = text.find('.') != std::string::npos;
+    glm::ivec2 pixel(0);
+    for (int i = 0; i < 2; ++i) {
+        const std::optional<double> number = parameter::parseNumber(parts[static_cast<std::size_t>(i)]);
+        if (!number) fail("expected X,Y, got " + inQuotes(text));
+        const double place = fraction ? *number * size[i] : *number;
+        if (place < 0.0 || place > size[i] || (!fraction && place >= size[i]))
+            fail(fmt::format("{} is outside the picture of {}x{}", text, size.x, size.y));
+        pixel[i] = std::min(static_cast<int>(place), size[i] - 1);
+    }
+    return pixel;
+}
+
+bool hasDepthOfField(const scene::Scene& scene) {
+    return scene.camera.number("aperture") > 0.0 ||
+           std::any_of(scene.effects.begin(), scene.effects.end(), [](const parameter::Node& effect) {
+               return effect.flag("enabled") && effect.module("type").name == "depth_of_field";
+           });
+}
+
+/// Puts the focus on what is seen at a place of the picture, by one sample of a pinhole: a lens would blur the
+/// distance.
+void focusOn(session::Session& session, const std::string& place, double budget) {
+    const glm::ivec2 pixel = pixelOf(place, session.size());
+    const parameter::Value aperture = session.scene().camera.value("aperture");
+    const auto setAperture = [&](const parameter::Value& value) {
+        parameter::Node node = session.scene().camera;
+        node.set("aperture", value);
+        session.setCamera(scene::Camera(node));
+    };
+    setAperture(0.0);
+    while (session.samples() == 0 && !session.step(budget).finished) {
+    }
+    if (!session.focusAt(pixel))
+        throw Error(ErrorKind::BadInput,
+                    fmt::format("there is nothing but background at pixel {},{}", pixel.x, pixel.y), "--focus",
+                    "name a place where a surface is seen");
+    setAperture(aperture);
+}
+
 /// What an interrupted rendering can still save.
 bool canSave(const session::Session& session, const std::string& file, bool coarse) {
     return session.samples() > 0 || (coarse && io::imageFormat(file) != io::ImageFormat::Exr);
@@ -148,6 +202,9 @@ int render(const RenderOptions& options) {
     scene::Scene scene = loadScene(options.scene);
     options.edits.apply(scene);
     requireOutputs(options);
+    if (options.focus && !hasDepthOfField(scene))
+        throw Error(ErrorKind::BadInput, "a pinhole camera has no focus", "--focus",
+                    "set camera.aperture, such as 0.05, or add the effect depth_of_field");
 
     Phases phases;
     phases.times["start"] = timeSinceStart();
@@ -164,6 +221,7 @@ int render(const RenderOptions& options) {
     sessionOptions.reproject = false; // nothing moves
     const Interrupt interrupt;
     session::Session session(*context, std::move(scene), sessionOptions);
+    if (options.focus) focusOn(session, *options.focus, plan.budget);
 
     if (!options.quiet)
         for (const std::string& note : session.notes())
@@ -221,6 +279,10 @@ void addRenderCommand(CLI::App& app, Action& action) {
         ->type_name("FILE")
         ->allow_extra_args(false);
     options->edits.addTo(*command);
+    command
+        ->add_option("--focus", options->focus,
+                     "Focus on what is seen there: pixels from the top left, or parts of the picture such as 0.5,0.5")
+        ->type_name("X,Y");
     command->add_option("--bits", options->bits, "Bits per channel of PNG: 8 or 16")->type_name("BITS");
     options->device.addTo(*command);
     command->add_option("--tile", options->tile, "Most pixels to submit to the GPU at once")->type_name("PIXELS");

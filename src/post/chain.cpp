@@ -1,5 +1,7 @@
 #include "post/chain.hpp"
 
+#include "scene/camera.hpp"
+
 #include <cmath>
 
 namespace apeiron::post {
@@ -35,6 +37,8 @@ Chain::Chain(const gpu::Context& context, gpu::KernelCache& cache, gpu::Stage st
         effects_.push_back(cache.get(effect.module("type").name, effectSource(effect), stage, {kFloat4}));
         if (++active <= 2) stops_.push_back(std::make_unique<Stop>(context, size));
     }
+    if (scene.post.text("exposure_mode") == "auto") meter_ = std::make_unique<Meter>(context, cache, stage);
+    if (!meter_) noMeter_ = gpu::Texture(context, kFloat4, {1, 1}, "no meter");
     const gpu::ShaderSource source = displaySource(scene.post);
     display_ = cache.get("display", source, stage, {kFloat4});
     screen_ = stage == gpu::Stage::Fragment ? display_ : cache.get("display", source, gpu::Stage::Fragment, {kFloat4});
@@ -51,6 +55,9 @@ void Chain::run(const scene::Scene& scene, const render::Picture& picture, const
 
 void Chain::run(const scene::Scene& scene, const render::Picture& picture, const gpu::Targets& targets,
                 const Display& display, const gpu::Region& region, glm::ivec2 size) {
+    const scene::Camera camera(scene.camera);
+    const bool orthographic = scene.camera.text("projection") == "orthographic";
+    const double extent = camera.extent();
     const gpu::Texture* color = &picture.radiance;
     std::size_t stop = 0;
     for (std::size_t i = 0; i < effects_.size(); ++i) {
@@ -61,14 +68,21 @@ void Chain::run(const scene::Scene& scene, const render::Picture& picture, const
         kernel.set("effect_geometry", picture.geometry);
         kernel.set("effect_albedo", picture.albedo);
         kernel.set("effect_size", size_);
+        kernel.set("effect_focus", static_cast<float>(camera.focus()));
+        kernel.set("effect_scale", static_cast<float>(size_.y / extent));
+        kernel.set("effect_orthographic", orthographic);
         kernel.run(stops_[stop]->targets, region, size);
         color = &stops_[stop]->color;
         stop = 1 - stop;
     }
+    if (meter_ && size == size_) meter_->run(*color, scene.post.number("key"));
+    if (meter_ && size != size_) meter_->warmUp(*color);
     gpu::Kernel& kernel = targets.textures().empty() ? *screen_ : *display_;
     kernel.setParameters("post", scene.post);
     kernel.set("effect_color", *color);
     kernel.set("display_exposure", static_cast<float>(std::exp2(scene.post.number("exposure"))));
+    kernel.set("display_metered", meter_ != nullptr);
+    kernel.set("display_meter", meter_ ? meter_->result() : noMeter_);
     kernel.set("display_dither", static_cast<float>(display.dither));
     kernel.set("display_flip", display.flip);
     kernel.set("display_height", size_.y);

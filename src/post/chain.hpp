@@ -1,6 +1,7 @@
 #pragma once
 
 #include "gpu/kernel_cache.hpp"
+#include "post/meter.hpp"
 #include "render/picture.hpp"
 #include "scene/scene.hpp"
 
@@ -20,8 +21,8 @@ gpu::ShaderSource effectSource(const parameter::Node& effect);
 /// The kernel that ends the chain, with the tone mapper of the scene's `post` node: one output.
 gpu::ShaderSource displaySource(const parameter::Node& post);
 
-/// The post chain of a scene: its effects in order, HDR to HDR, then exposure, one tone mapper and sRGB. Needs its
-/// context current.
+/// The post chain of a scene: its effects in order, HDR to HDR, then exposure by hand or by the light meter, one tone
+/// mapper and sRGB. Needs its context current.
 class Chain {
   public:
     /// Compiles the kernels of the scene's effects and tone mapper.
@@ -48,6 +49,8 @@ class Chain {
         gpu::Targets targets;
     };
     std::vector<std::shared_ptr<gpu::Kernel>> effects_; ///< null for a disabled one
+    std::unique_ptr<Meter> meter_;                      ///< null where the exposure is set by hand
+    gpu::Texture noMeter_;                              ///< what the display's kernel sees then
     std::shared_ptr<gpu::Kernel> display_;
     std::shared_ptr<gpu::Kernel> screen_; ///< the same as fragments: what a window's framebuffer needs
     std::vector<std::unique_ptr<Stop>> stops_;

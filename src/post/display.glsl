@@ -2,6 +2,8 @@
 
 uniform sampler2D effect_color;
 uniform float display_exposure;   // factor
+uniform bool display_metered;     // there is one more factor ...
+uniform sampler2D display_meter;  // ... of one texel
 uniform float display_dither;     // size of one output step; 0: none
 uniform bool display_flip;        // the target's first row is the bottom one
 uniform int display_height;       // [px]
@@ -31,7 +33,9 @@ void kernel_main(ivec2 pixel, out vec4 color) {
     float alpha = clamp(source.a, 0.0, 1.0);
     // Radiance is premultiplied; tone curves are not linear, so they see the colour without its coverage.
     vec3 hdr = alpha > 0.0 ? source.rgb / alpha : vec3(0.0);
-    vec3 ldr = tonemapper_tonemap(display_exposure * hdr);
+    float exposure = display_exposure;
+    if (display_metered) exposure *= texelFetch(display_meter, ivec2(0), 0).x;
+    vec3 ldr = tonemapper_tonemap(exposure * hdr);
     if (display_opaque) ldr = mix(display_background, ldr, alpha);
     vec3 encoded = display_srgb(clamp(ldr, 0.0, 1.0));
     encoded += display_dither * vec3(display_noise(from, 0u), display_noise(from, 1u), display_noise(from, 2u));

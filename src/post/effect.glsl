@@ -4,6 +4,9 @@ uniform sampler2D effect_color;    // rgb radiance, w coverage
 uniform sampler2D effect_geometry; // xyz normal, w depth
 uniform sampler2D effect_albedo;   // rgb albedo, w part of samples that hit
 uniform ivec2 effect_size;         // [px]
+uniform float effect_focus;        // distance of the camera's plane of focus, along the axis
+uniform float effect_scale;        // height of a thing of size 1 at distance 1, or anywhere in parallel projection [px]
+uniform bool effect_orthographic;
 
 // The picture at a pixel; outside, at the nearest one.
 vec4 effect_at(ivec2 pixel) { return texelFetch(effect_color, clamp(pixel, ivec2(0), effect_size - 1), 0); }

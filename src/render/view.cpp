@@ -15,8 +15,7 @@ View::View(const scene::Scene& scene, glm::ivec2 size) : size_(size) {
     const scene::Camera camera(scene.camera);
     basis_ = glm::mat3(glm::mat3_cast(camera.orientation()));
     orthographic_ = scene.camera.text("projection") == "orthographic";
-    const double extent = 2.0 * std::tan(0.5 * camera.fov());
-    extent_ = static_cast<float>(orthographic_ ? extent * camera.distance() : extent);
+    extent_ = static_cast<float>(camera.extent());
     filter_ = scene.camera.choice("filter");
     focus_ = static_cast<float>(camera.focus());
     lens_ = static_cast<float>(0.5 * scene.camera.number("aperture") * camera.focus());

@@ -136,6 +136,11 @@ double Camera::distance() const {
     return length(difference(target(), position()));
 }
 
+double Camera::extent() const {
+    const double extent = 2.0 * std::tan(0.5 * fov());
+    return node_.text("projection") == "orthographic" ? extent * distance() : extent;
+}
+
 double Camera::focus() const {
     const double focus = node_.number("focus");
     return focus > 0.0 ? focus : distance();

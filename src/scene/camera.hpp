@@ -29,6 +29,8 @@ class Camera {
     glm::dvec3 right() const;
     glm::dvec3 up() const;
     double fov() const; ///< vertical [rad]
+    /// Height of the picture at distance 1 in perspective, anywhere in parallel projection [world units].
+    double extent() const;
     /// From position to target [world units], computed without cancellation at any zoom.
     double distance() const;
     /// From the camera to the plane that is sharp, along the view direction [world units]: `focus`, or distance() where

@@ -169,6 +169,15 @@ NodeType post() {
                 .range(-20, 20)
                 .unit("EV")
                 .invalidates(Invalidates::Present),
+            Declare("exposure_mode", Type::Choice, "manual",
+                    "By hand, or measured on the picture so that its average luminance is `key`; `exposure` then "
+                    "compensates")
+                .choices({"manual", "auto"})
+                .invalidates(Invalidates::Present),
+            Declare("key", Type::Float, 0.18, "Average luminance that automatic exposure aims at")
+                .range(0.01, 1)
+                .logarithmic()
+                .invalidates(Invalidates::Present),
             // Present: the post chain's kernels are compiled anew, the samples stay.
             Declare("tonemapper", Type::Module, ModuleReference{"reinhard", {}}, "From radiance to display values")
                 .folder("tonemappers")

@@ -254,7 +254,7 @@ check 'the old file is still there' test "$(cat full.jpg)" = old
 check 'no new one is' test ! -e full.png -a ! -e full.exr
 
 # --- What there is ---
-for kind in scenes subjects formulas renderers effects tonemappers environments devices; do
+for kind in scenes subjects formulas renderers effects tonemappers environments palettes devices; do
     expect 0 . list "$kind"
     "$program" list "$kind" --json >list.json
     check "list $kind is JSON" is_json list.json 0 name
@@ -279,6 +279,19 @@ expect 2 'text.png' info text.png
 code=$?
 check 'check looks at all scenes' test "$code" = 2 -a "$(wc -l <stdout)" = 2 -a "$(wc -l <stderr)" = 2
 expect 0 ok check "$root"/scenes/*.json
+
+# --- Focus ---
+expect 2 'pinhole camera has no focus' render mandelbulb -o f.png --size 64x36 --samples 1 --focus 0.5,0.5
+expect 2 'expected X,Y' render mandelbulb -o f.png --size 64x36 --set camera.aperture=0.1 --focus middle
+expect 2 '64,1 is outside the picture of 64x36' render mandelbulb -o f.png --size 64x36 --set camera.aperture=0.1 --focus 64,1
+expect 2 'nothing but background at pixel 0,0' render mandelbulb -o f.png --size 64x36 --set camera.aperture=0.1 --focus 0,0
+for place in 32,18 0.5,0.5; do
+    expect 0 '1 sample' render mandelbulb -o f.png --size 64x36 --samples 1 --set camera.aperture=0.1 --focus $place
+    "$program" info f.png --json >focus.json
+    # The camera is 2.96 from its target; the bulb's surface comes to meet it.
+    check "the focus of $place is saved with the picture" \
+        awk "BEGIN { f = $(json focus.json scene camera focus); exit !(f > 1.5 && f < 2.8) }"
+done
 
 # --- Nothing half-written is left ---
 check 'no temporary files' test -z "$(find . -name '.apeiron*')"

@@ -100,6 +100,8 @@ std::vector<NamedKernel> allKernels() {
         for (const char* kind : {"", "_moved"})
             kernels.push_back({"present " + integrator + kind, render::presentSource(integrator + kind)});
     }
+    for (const char* pass : {"grid", "histogram", "result"})
+        kernels.push_back({std::string("meter ") + pass, post::Meter::source(pass)});
     const auto catalogue = session::catalogue();
     for (const std::string& effect : parameter::moduleNames("effects")) {
         parameter::Node node(catalogue->type("effect", ""));
@@ -289,6 +291,9 @@ TEST(Kernels, post_chains_give_the_same_picture_in_both_stages) {
             session->set("post.tonemapper", std::string_view(tonemapper));
         expectSame(tonemapper);
     }
+    for (session::Session* session : {&fragment, &compute})
+        session->set("post.exposure_mode", std::string_view("auto"));
+    expectSame("the light meter");
     for (const std::string& effect : parameter::moduleNames("effects")) {
         const std::string list = fmt::format(R"([{{"type": "{0}"}}])", effect);
         for (session::Session* session : {&fragment, &compute})

@@ -7,6 +7,7 @@ export interface ControlHost {
     motion(motion: Motion): void;
     /** Fractions of the picture, from the top left. */
     focus(x: number, y: number): void;
+    sharpen(x: number, y: number): void;
     resetCamera(): void;
     togglePause(): void;
     togglePanel(): void;
@@ -40,7 +41,8 @@ export class Controls {
         canvas.addEventListener('contextmenu', (event) => event.preventDefault());
         canvas.addEventListener('dblclick', (event) => {
             const { x, y } = fractionsOf({ x: event.clientX, y: event.clientY }, this.frame());
-            host.focus(x, y);
+            if (event.shiftKey) host.sharpen(x, y);
+            else host.focus(x, y);
         });
         document.addEventListener('keydown', (event) => this.onKey(event));
         document.addEventListener('keyup', (event) => this.onKeyUp(event));

@@ -138,6 +138,20 @@ export class Loop {
         return true;
     }
 
+    /** Makes sharp what is seen at a point of the picture, without turning; whether there is anything. */
+    sharpen(x: number, y: number): boolean {
+        this.finishAim();
+        const to = this.engine.pointAt(Math.floor(x * this.engine.width()), Math.floor(y * this.engine.height()));
+        if (!to) return false;
+        // The plane of focus is square to the view, and the target straight ahead.
+        const ahead = this.engine.toTarget();
+        const depth = (to[0] * ahead[0] + to[1] * ahead[1] + to[2] * ahead[2]) / Math.hypot(...ahead);
+        if (!(depth > 0)) return false;
+        this.documentStale = true;
+        this.edit('camera.focus', depth, false).catch((error) => this.host.failed(error));
+        return true;
+    }
+
     edit(path: string, value: Json, live: boolean): Promise<null> {
         return new Promise((resolve, reject) => {
             const last = this.edits.at(-1);

@@ -294,6 +294,7 @@ const client = new Client(onNotice);
 const controls = new Controls(canvas, {
     motion: (motion) => client.motion(motion),
     focus: (x, y) => void attempt(() => client.request('focus', { x, y })),
+    sharpen: (x, y) => void attempt(() => client.request('sharpen', { x, y })),
     resetCamera: () => {
         if (initialCamera !== null) void attempt(() => client.request('set', { path: 'camera', value: initialCamera, live: false }));
     },

@@ -39,6 +39,7 @@ export interface Requests {
     resize: { ask: Size; answer: null };
     /** Makes what is seen at a point of the picture (fractions from the top left) the target; whether there is any. */
     focus: { ask: { x: number; y: number }; answer: boolean };
+    sharpen: { ask: { x: number; y: number }; answer: boolean };
     pixels: { ask: Record<string, never>; answer: Size & { data: Uint8ClampedArray<ArrayBuffer>; samples: number } };
     png: { ask: Record<string, never>; answer: Blob };
     sceneText: { ask: Record<string, never>; answer: string };

@@ -100,6 +100,11 @@ class Viewer {
         return null;
     }
 
+    sharpen({ x, y }: Ask<'sharpen'>): boolean {
+        this.requireContext();
+        return this.loop.sharpen(x, y);
+    }
+
     focus({ x, y }: Ask<'focus'>): boolean {
         this.requireContext();
         return this.loop.focus(x, y);
@@ -240,6 +245,7 @@ const handlers: { [N in RequestName]: (ask: Ask<N>) => Answer<N> | Promise<Answe
     set: (ask) => viewer.set(ask),
     resize: (ask) => viewer.resize(ask),
     focus: (ask) => viewer.focus(ask),
+    sharpen: (ask) => viewer.sharpen(ask),
     pixels: () => viewer.pixels(),
     png: () => viewer.png(),
     sceneText: () => viewer.sceneText(),

@@ -290,6 +290,19 @@ describe('the loop', () => {
         expect(loop.focus(0.5, 0.5)).toBe(false);
     });
 
+    it('makes sharp what is seen at a point, by its depth', async () => {
+        const { engine, loop, settle } = rig(20);
+        loop.restarted();
+        settle();
+        engine.hit = [3, 4, -2]; // the target is along (0, 0, -1)
+        expect(loop.sharpen(0.5, 0.5)).toBe(true);
+        settle();
+        expect(engine.log).toContain('camera.focus=2');
+        expect(engine.log.some((entry) => entry.startsWith('aim'))).toBe(false);
+        engine.hit = null;
+        expect(loop.sharpen(0.5, 0.5)).toBe(false);
+    });
+
     it('tells of failures and still takes edits that may mend them', async () => {
         const { engine, loop, settle, errors } = rig(20);
         const step = engine.step.bind(engine);
