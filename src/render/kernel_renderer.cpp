@@ -42,7 +42,7 @@ class KernelRenderer : public Renderer {
     KernelRenderer(const gpu::Context& context, gpu::KernelCache& cache, const BuildOptions& options,
                    const scene::Scene& scene, const Subject& subject, glm::ivec2 size)
         : size_(size), prepassSize_((size + (1 << kPrepassShift) - 1) / (1 << kPrepassShift)),
-          estimate_(context, size + kPadding, kEstimate),
+          estimate_(context, glm::min(size + kPadding, glm::ivec2(context.capabilities().maxTextureSize)), kEstimate),
           front_(std::make_unique<Buffers<4>>(context, size, kAccumulator)),
           back_(std::make_unique<Buffers<4>>(context, size, kAccumulator)),
           starts_(context, gpu::PixelFormat::R32F, prepassSize_, "prepass_start"), startsTargets_(context, {&starts_}),
@@ -110,6 +110,11 @@ class KernelRenderer : public Renderer {
     void reset() override {
         empty_ = true;
         errorLimit_ = 0.0F;
+    }
+
+    bool holds(const Interleave& interleave) const override {
+        const glm::ivec2 needed = interleave.factor() * interleave.block(size_);
+        return glm::all(glm::lessThanEqual(needed, estimate_.textures[0].size()));
     }
 
     glm::ivec2 prepassSize() const override { return prepassSize_; }

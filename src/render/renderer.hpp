@@ -43,6 +43,9 @@ class Renderer {
     /// Forgets all samples.
     virtual void reset() = 0;
 
+    /// Whether the estimate has room for that interleaving: of the largest pictures, not for all.
+    virtual bool holds(const Interleave& interleave) const = 0;
+
     /// Texels of the prepass, which follows a reset before the first generate().
     virtual glm::ivec2 prepassSize() const = 0;
     /// Works out a region of it.
@@ -84,7 +87,9 @@ std::unique_ptr<Renderer> makeRenderer(const gpu::Context& context, gpu::KernelC
                                        const BuildOptions& options, const scene::Scene& scene, const Subject& subject,
                                        glm::ivec2 size);
 
-/// Bytes of GPU memory that makeRenderer() and a post chain take for each pixel.
+/// Bytes of GPU memory that makeRenderer(), a picture and a post chain take for each pixel.
 constexpr std::int64_t kBytesPerPixel = 16LL * (3 + 2 * 4 + 3 + 2 + 1);
+/// What reprojection takes in addition: the points, and another picture with them.
+constexpr std::int64_t kBytesPerPixelToMove = 16LL * (1 + 4);
 
 } // namespace apeiron::render

@@ -46,9 +46,9 @@ bool seenAlike(parameter::Node a, const parameter::Node& b) {
 }
 
 /// Refuses sizes that the device or this machine's memory cannot hold, before anything is allocated.
-void requireSize(const gpu::Context& context, glm::ivec2 size) {
+void requireSize(const gpu::Context& context, glm::ivec2 size, bool reproject) {
     const gpu::Capabilities& c = context.capabilities();
-    // Estimates are padded to whole 8 x 8 blocks.
+    // Pictures may be read in blocks of 8 x 8.
     const int most = c.maxTextureSize / 8 * 8;
     if (size.x > most || size.y > most) {
         throw Error(ErrorKind::BadInput, fmt::format("{}x{} is larger than the device's textures", size.x, size.y),
@@ -56,7 +56,8 @@ void requireSize(const gpu::Context& context, glm::ivec2 size) {
     }
 #ifndef __EMSCRIPTEN__
     if (c.software) {
-        const double needed = static_cast<double>(size.x) * size.y * static_cast<double>(render::kBytesPerPixel);
+        const std::int64_t perPixel = render::kBytesPerPixel + (reproject ? render::kBytesPerPixelToMove : 0);
+        const double needed = static_cast<double>(size.x) * size.y * static_cast<double>(perPixel);
         const double there = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
         if (needed > 0.8 * there) {
             throw Error(ErrorKind::BadInput,
@@ -90,7 +91,7 @@ void Session::apply(parameter::Invalidates what, bool sizeChanged) {
     using parameter::Invalidates;
     if (what == Invalidates::Nothing && !sizeChanged) return;
     const glm::ivec2 size = sizeOf(scene_);
-    if (sizeChanged) requireSize(context_, size);
+    if (sizeChanged) requireSize(context_, size, options_.reproject);
     // Everything that can fail is made aside first, so that a failure changes nothing.
     std::unique_ptr<render::Subject> subject;
     std::unique_ptr<render::Renderer> renderer;
@@ -233,6 +234,9 @@ void Session::restart(bool keep) {
         moved_ = false;
     }
     interleave_ = render::Interleave(factor, first);
+    // (A picture as large as the device's textures has no room for sub-images that do not divide it.)
+    for (int smaller = factor - 1; !renderer_->holds(interleave_); --smaller)
+        interleave_ = render::Interleave(smaller);
     prepass_ = render::TileCursor(renderer_->prepassSize());
     cursor_ = render::TileCursor(interleave_.block(size()), row);
     block_ = 0;

@@ -48,7 +48,7 @@ std::vector<double> ratios(const std::vector<double>& a, const std::vector<doubl
 TEST(Map, of_the_mandelbulb_has_the_distance_of_its_formula) {
     const auto points = pointsInBall(200, 1.6, 21);
     const std::vector<double> own =
-        distancesAt(test::fractalOf(R"({"formula": "mandelbulb", "bailout": 32, "iterations": 12})"), points);
+        distancesAt(test::fractalOf(R"({"formula": "mandelbulb", "bailout": 10, "iterations": 12})"), points);
     const std::vector<double> automatic = distancesAt(fractalOf(kBulb, ""), points);
     const std::vector<double> all = ratios(automatic, own);
     ASSERT_GT(all.size(), 80U);
@@ -112,11 +112,11 @@ TEST(Map, has_the_same_distance_by_dual_numbers_and_by_differences) {
 
 TEST(Map, can_be_a_slot_of_a_hybrid) {
     const auto points = pointsInBall(200, 1.4, 24);
-    scene::Scene mixed = test::fractalOf(R"({"power": 3, "bailout": 32, "derivative": "dual", "slots": [{}]})");
+    scene::Scene mixed = test::fractalOf(R"({"power": 3, "bailout": 10, "derivative": "dual", "slots": [{}]})");
     mixed.slots[0].set("formula", parameter::ModuleReference{"mine.glsl", kBulb});
     mixed.slots[0].set("power", 5.0);
     const scene::Scene shipped =
-        test::fractalOf(R"({"power": 3, "bailout": 32, "derivative": "dual", "slots": [{"power": 5}]})");
+        test::fractalOf(R"({"power": 3, "bailout": 10, "derivative": "dual", "slots": [{"power": 5}]})");
     const std::vector<double> all = ratios(distancesAt(mixed, points), distancesAt(shipped, points));
     ASSERT_GT(all.size(), 60U);
     // The same maps; acos and atan are good to 1e-3 only.

@@ -66,12 +66,12 @@ void expectDistances(const scene::Scene& scene, const std::vector<glm::vec3>& po
 
 TEST(Hybrid, takes_its_formulas_in_turns) {
     const scene::Scene scene =
-        fractalOf(R"({"formula": "mandelbox", "scale": 2, "repeat": 2, "iterations": 8, "bailout": 50,
+        fractalOf(R"({"formula": "mandelbox", "scale": 2, "repeat": 2, "iterations": 8, "bailout": 150,
                                              "slots": [{"formula": "mandelbulb", "power": 2},
                                                        {"formula": "mandelbulb", "power": 3, "repeat": 2}]})");
     expectDistances(scene, pointsInBall(200, 4.0, 1), [](const dvec3& p) {
         Reference o{p, p, 1.0};
-        for (int i = 0; i < 8 && glm::length(o.z) <= 50.0; ++i) {
+        for (int i = 0; i < 8 && glm::length(o.z) <= 150.0; ++i) {
             const int turn = i % 5;
             if (turn < 2) box(o, 2.0);
             if (turn == 2) bulb(o, 2.0);
