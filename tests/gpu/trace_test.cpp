@@ -112,7 +112,7 @@ TEST(Trace, of_a_fractal_is_the_same_with_prepass_and_relaxation_but_for_a_few_p
         const double t = truth.geometry.data()[i + 3];
         const double footprint = 2.0 * std::tan(0.5 * glm::radians(slow.camera.number("fov"))) / 72.0 * t;
         const bool same =
-            hit == (found.albedo.data()[i + 3] > 0.0F) && std::abs(found.geometry.data()[i + 3] - t) < 4.0 * footprint;
+            hit == (found.albedo.data()[i + 3] > 0.0F) && std::abs(found.geometry.data()[i + 3] - t) <= 4.0 * footprint;
         different += same ? 0 : 1;
     }
     EXPECT_GT(hits, 1500U);

@@ -115,12 +115,18 @@ vec3 distance_normal_of_positions(Hit hit, vec3 direction) {
     float h = 0.5 * hit.footprint;
     vec3 right = normalize(cross(direction, abs(direction.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0)));
     vec3 up = cross(right, direction);
-    mat3 at = mat3(hit.position, hit.position + h * right, hit.position + h * up);
-    for (int i = 0; i < 3 * 6; ++i) {
-        // From in front of the surface on, as what is beside may be nearer.
+    // From in front of the surface on, as what is beside may be nearer.
+    vec3 front = hit.position - 2.0 * h * direction;
+    mat3 at = mat3(front, front + h * right, front + h * up);
+    vec3 before = vec3(0.0);
+    vec3 stride = vec3(0.0);
+    for (int i = 0; i < 3 * 4; ++i) {
         int ray = i % 3;
-        vec3 p = at[ray] + (i < 3 ? -2.0 * h : 0.0) * direction;
-        at[ray] = p + distance_estimate(p) * direction;
+        float d = distance_estimate(at[ray]);
+        // Estimates fall short, the more so on slopes: how much, the last step has shown (the secant method).
+        stride[ray] = i < 3 ? d : clamp(stride[ray] * d / max(before[ray] - d, 1e-30), d, 8.0 * d);
+        before[ray] = d;
+        at[ray] += stride[ray] * direction;
     }
     vec3 n = cross(at[1] - at[0], at[2] - at[0]);
     float length2 = dot(n, n);
