@@ -3,7 +3,8 @@ import type { Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
 import { sceneOf } from '../../src/png';
 import { at } from '../../src/schema';
-import { atRest, difference, flatness, framesDuring, pixels, Rig, samples, screenshotPath, shown } from './rig';
+import { encodePng } from '../png';
+import { atRest, brightness, difference, flatness, framesDuring, pixels, Rig, samples, screenshotPath, shown } from './rig';
 
 const kSmall = 'scene=mandelbulb&width=320&height=180';
 const kTime = 120_000;
@@ -101,13 +102,29 @@ describe('the camera', () => {
             for (let i = 1; i <= 40; i++) {
                 await page.mouse.move(...(await centre(3 * i, i)));
                 await page.waitForTimeout(25);
-                if (i === 20) await page.screenshot({ path: screenshotPath('drag') });
             }
             await page.mouse.up();
         });
-        const flat = frames.map(flatness);
-        console.log(`a drag: ${frames.length} frames; flat ${flatness(still).toFixed(3)} at rest, ${Math.min(...flat).toFixed(3)} to ${Math.max(...flat).toFixed(3)} while moving`);
+        writeFileSync(screenshotPath('drag'), encodePng(320, 180, frames[Math.floor(frames.length / 2)]!.data));
+        await atRest(page);
+        const ends = [brightness(still), brightness(await shown(page))];
+        // Nothing can be kept when the projection changes: that picture begins with blocks.
+        const coarse = await framesDuring(page, async () => {
+            await page.evaluate(() => window.apeiron.set('camera.projection', 'orthographic'));
+            await atRest(page);
+        });
+        const [rest, moving, blocks] = [flatness(still), Math.max(...frames.map(flatness)), Math.max(...coarse.map(flatness))];
+        const light = frames.map(brightness);
+        console.log(
+            `a drag: ${frames.length} pictures; at most ${moving.toFixed(3)} flat (${rest.toFixed(3)} at rest, ${blocks.toFixed(3)} in blocks), ` +
+                `brightness ${Math.min(...light).toFixed(1)} to ${Math.max(...light).toFixed(1)} (${ends.map((end) => end.toFixed(1)).join(' and ')} at rest)`,
+        );
         expect(frames.length).toBeGreaterThan(8);
+        expect(blocks).toBeGreaterThan(rest + 0.1); // or the next line would say nothing
+        expect(moving).toBeLessThan(0.5 * (rest + blocks));
+        // It turns by 2 rad in the light of two suns: a black picture, or a white one, would be far outside.
+        expect(Math.min(...light)).toBeGreaterThan(0.75 * Math.min(...ends));
+        expect(Math.max(...light)).toBeLessThan(1.25 * Math.max(...ends));
     }, kTime);
 
     it('makes sharp what is double clicked with Shift, without turning', async () => {
@@ -266,6 +283,7 @@ describe('the panel', () => {
         await page.waitForFunction((old) => (window.apeiron.scene()['lights'] as unknown[]).length === old - 1, count);
 
         await open('slot');
+        const kCompile = { timeout: 30_000 };
         const slots = page.locator('[data-role="slot"]');
         const formulas = () => page.evaluate(() => (window.apeiron.scene()['subject'] as { slots: { formula: string }[] }).slots.map((slot) => slot.formula));
         await slots.getByLabel('Add slot').getByText('Mandelbox', { exact: true }).click();
@@ -277,13 +295,13 @@ describe('the panel', () => {
         await repeat.press('Enter');
         await page.waitForFunction(() => (window.apeiron.scene()['subject'] as { slots: { repeat: number }[] }).slots[1]?.repeat === 2);
         await slots.locator('.card').nth(1).getByRole('button', { name: 'Move up' }).click();
-        await expect.poll(formulas).toEqual(['menger', 'mandelbox']);
+        await expect.poll(formulas, kCompile).toEqual(['menger', 'mandelbox']);
         await atRest(page);
         await page.screenshot({ path: screenshotPath('slots') });
         await slots.locator('.card').first().getByRole('button', { name: 'Remove' }).click();
-        await expect.poll(formulas).toEqual(['mandelbox']);
+        await expect.poll(formulas, kCompile).toEqual(['mandelbox']);
         await slots.locator('.card').first().getByRole('button', { name: 'Remove' }).click();
-        await expect.poll(formulas).toEqual([]);
+        await expect.poll(formulas, kCompile).toEqual([]);
 
         await page.locator('[data-path="subject.formula"] select').selectOption('menger');
         await page.locator('[data-path="subject.rotation"]').waitFor();

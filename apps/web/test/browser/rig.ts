@@ -169,6 +169,13 @@ export function flatness({ width, height, data }: Picture): number {
     return flat / ((width - 1) * height);
 }
 
+/** Mean of all channels [1/255]. */
+export function brightness({ data }: Picture): number {
+    let sum = 0;
+    for (let i = 0; i < data.length; i += 4) sum += data[i]! + data[i + 1]! + data[i + 2]!;
+    return sum / (0.75 * data.length);
+}
+
 export function screenshotPath(name: string): string {
     const folder = join(root, 'out/web');
     mkdirSync(folder, { recursive: true });
