@@ -568,7 +568,8 @@ class Writer {
             return arithmetic(e.text, *e.parts[0], *e.parts[1]);
         case ExpressionKind::Ternary:
             // WebGL has no `? :` of structs.
-            if (hasEffects(*e.parts[1]) || hasEffects(*e.parts[2])) fail(e.line, "an out argument behind '?'");
+            if (hasEffects(*e.parts[1]) || hasEffects(*e.parts[2]))
+                fail(e.line, "a '?' between things that do more than to give a value");
             return fmt::format("dual_select({}, {}, {})", value(*e.parts[0]), dual(*e.parts[1]), dual(*e.parts[2]));
         case ExpressionKind::Call:
             return call(e);
