@@ -261,6 +261,20 @@ class Engine {
         });
     }
 
+    /// See session::Session::focusAt().
+    bool focusAt(int x, int y) {
+        return guarded([&] { return session().focusAt({x, y}); });
+    }
+
+    /// See session::Session::notes().
+    std::string notesJson() const {
+        return guarded([&] { return Json(session().notes()).dump(); });
+    }
+    /// See session::Session::emptyReason().
+    std::string emptyReason() {
+        return guarded([&] { return session().emptyReason(); });
+    }
+
     /// Infinite where the subject cannot tell [world units].
     double distanceToSurface() {
         return guarded([&] { return session().distanceToSurface(); });
@@ -393,6 +407,9 @@ EMSCRIPTEN_BINDINGS(apeiron) {
         .function("aim", &Engine::aim)
         .function("toTarget", &Engine::toTarget)
         .function("pointAt", &Engine::pointAt)
+        .function("focusAt", &Engine::focusAt)
+        .function("notesJson", &Engine::notesJson)
+        .function("emptyReason", &Engine::emptyReason)
         .function("distanceToSurface", &Engine::distanceToSurface)
         .function("distanceToTarget", &Engine::distanceToTarget)
         .function("pixels", &Engine::pixels)

@@ -299,7 +299,8 @@ class Writer {
             back += fmt::format("{}{}", comma, wrapped(isDual, "dual_value", m.name));
         }
         return fmt::format("struct Dual{0} {{{1} }};\nDual{0} dual({0} a) {{ return Dual{0}({2}); }}\n"
-                           "{0} dual_value(Dual{0} a) {{ return {0}({3}); }}\n",
+                           "{0} dual_value(Dual{0} a) {{ return {0}({3}); }}\n"
+                           "Dual{0} dual_select(bool c, Dual{0} a, Dual{0} b) {{ if (c) return a; return b; }}\n",
                            s.name, members, there, back);
     }
 
@@ -540,6 +541,16 @@ class Writer {
         return constructor || !e.arrayType.empty() ? nullptr : analysis_.called(e);
     }
 
+    /// Whether it does more than to give a value.
+    bool hasEffects(const Expression& e) const {
+        if (e.kind == ExpressionKind::Assign || e.kind == ExpressionKind::Postfix) return true;
+        if (e.kind == ExpressionKind::Unary && e.text.size() == 2) return true;
+        const Function* function = e.kind == ExpressionKind::Call ? userFunction(e) : nullptr;
+        return (function != nullptr && std::any_of(function->parameters.begin(), function->parameters.end(),
+                                                   [](const auto& p) { return p->direction != "in"; })) ||
+               std::any_of(e.parts.begin(), e.parts.end(), [&](const auto& part) { return hasEffects(*part); });
+    }
+
     /// With gradients.
     std::string dual(const Expression& e) {
         if (!e.active) {
@@ -556,7 +567,10 @@ class Writer {
         case ExpressionKind::Binary:
             return arithmetic(e.text, *e.parts[0], *e.parts[1]);
         case ExpressionKind::Ternary:
-            return fmt::format("({} ? {} : {})", value(*e.parts[0]), dual(*e.parts[1]), dual(*e.parts[2]));
+            // WebGL has no `? :` of structs.
+            if (hasEffects(*e.parts[1]) || hasEffects(*e.parts[2]))
+                fail(e.line, "a '?' between things that do more than to give a value");
+            return fmt::format("dual_select({}, {}, {})", value(*e.parts[0]), dual(*e.parts[1]), dual(*e.parts[2]));
         case ExpressionKind::Call:
             return call(e);
         case ExpressionKind::Member:

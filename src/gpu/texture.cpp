@@ -136,15 +136,20 @@ void Texture::upload(std::span<const float> texels) {
 }
 
 Image<float> Texture::download() const {
-    Image<float> image(size_.x, size_.y, 4);
+    return download(0, size_.y);
+}
+
+Image<float> Texture::download(int first, int rows) const {
+    assert(first >= 0 && rows > 0 && first + rows <= size_.y);
+    Image<float> image(size_.x, rows, 4);
     const ReadBinding binding(name_);
     if (format_ == PixelFormat::RGBA8) {
         std::vector<std::uint8_t> bytes(image.data().size());
-        glReadPixels(0, 0, size_.x, size_.y, GL_RGBA, GL_UNSIGNED_BYTE, bytes.data());
+        glReadPixels(0, first, size_.x, rows, GL_RGBA, GL_UNSIGNED_BYTE, bytes.data());
         for (std::size_t i = 0; i < bytes.size(); ++i)
             image.data()[i] = static_cast<float>(bytes[i]) / 255.0F;
     } else {
-        glReadPixels(0, 0, size_.x, size_.y, GL_RGBA, GL_FLOAT, image.data().data());
+        glReadPixels(0, first, size_.x, rows, GL_RGBA, GL_FLOAT, image.data().data());
     }
     return image;
 }

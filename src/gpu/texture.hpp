@@ -37,6 +37,8 @@ class Texture {
 
     /// Reads a float or RGBA8 texture back as RGBA floats (RGBA8 as 0..1); texel row 0 becomes image row 0.
     Image<float> download() const;
+    /// As download(), of `rows` rows from `first` on. @pre inside
+    Image<float> download(int first, int rows) const;
     /// Reads one texel of a float texture. @pre inside
     glm::vec4 texel(glm::ivec2 position) const;
 

@@ -10,7 +10,10 @@
 namespace apeiron::session {
 namespace {
 
-/// What the layers of a picture hold.
+/// Rows that are read back at once.
+constexpr int kRows = 64;
+
+/// What the rows of a picture hold that were looked at.
 struct Content {
     bool surface = false;    ///< somewhere
     bool background = false; ///< somewhere
@@ -19,8 +22,7 @@ struct Content {
     double farthest = 0.0;
 };
 
-Content contentOf(const Session::Layers& layers) {
-    Content content;
+void look(Content& content, const Session::Layers& layers) {
     for (int y = 0; y < layers.albedo.height(); ++y) {
         for (int x = 0; x < layers.albedo.width(); ++x) {
             const bool hit = layers.albedo.at(x, y)[3] > 0.0F;
@@ -33,7 +35,6 @@ Content contentOf(const Session::Layers& layers) {
             content.farthest = std::max(content.farthest, depth);
         }
     }
-    return content;
 }
 
 /// Inside, every ray ends where it starts: at once, or (where a formula's estimate never is quite 0) where the pixel's
@@ -49,9 +50,22 @@ bool isInside(const Content& content, double distance, double size) {
 std::string Session::emptyReason() {
     const auto& position = scene_.camera.get<parameter::Decimal3>("position");
     const glm::dvec3 place(position[0].toDouble(), position[1].toDouble(), position[2].toDouble());
-    const Content content = contentOf(layers());
+    const double scale = std::max(glm::length(place), 1.0);
     const double distance = distanceToSurface();
-    if (isInside(content, distance, std::max(glm::length(place), 1.0)) || (!content.surface && distance <= 0.0))
+    present();
+    const Phases::Scope reading(statistics_.phases, "read");
+    Content content;
+    const auto showsNothing = [&] { return !content.surface || !content.light || isInside(content, distance, scale); };
+    const auto lookAt = [&](int first, int rows) {
+        look(content, {picture_->radiance.download(first, rows), picture_->geometry.download(first, rows),
+                       picture_->albedo.download(first, rows)});
+    };
+    // More rows can only take a reason away. One from the middle nearly always does, and costs next to nothing.
+    const int height = size().y;
+    lookAt(height / 2, 1);
+    for (int first = 0; first < height && showsNothing(); first += kRows)
+        lookAt(first, std::min(kRows, height - first));
+    if (isInside(content, distance, scale) || (!content.surface && distance <= 0.0))
         return "the camera is inside the surface; move it (camera.position)";
     if (!content.surface) {
         return fmt::format("nothing is in view: the nearest surface is estimated {:.3g} away from the camera; turn the "

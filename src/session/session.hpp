@@ -133,7 +133,7 @@ class Session {
     std::vector<std::string> notes() const;
 
     /// Why the picture shows nothing (the camera is inside the surface, nothing is in view, no light), in one line with
-    /// what to do; empty when it shows something. Reads the layers back.
+    /// what to do; empty when it shows something. Reads back as much of the layers as it takes to know that.
     std::string emptyReason();
 
     const Statistics& statistics() const { return statistics_; }

@@ -193,6 +193,19 @@ TEST(Differentiate, leaves_alone_what_does_not_depend_on_the_point) {
     EXPECT_THAT(text, testing::Not(HasSubstr("turn() {"))) << "no second one";
 }
 
+TEST(Differentiate, chooses_by_a_function_since_webgl_has_no_choice_of_structs) {
+    const std::string text = "struct State { vec3 z; float r; };\n"
+                             "float f(vec3 p) {\n"
+                             "    State a = State(p, p.x);\n"
+                             "    State b = State(p * p, p.y);\n"
+                             "    State c = p.z > 0.0 ? a : b;\n"
+                             "    return c.z.x + (p.x > p.y ? p.z : 2.0) * c.r;\n"
+                             "}\n";
+    EXPECT_THAT(differentiated(text), testing::Not(HasSubstr(" ? ")));
+    expectGradients(
+        text, [](dvec3 p) { return (p.z > 0 ? p.x : p.x * p.x) + (p.x > p.y ? p.z : 2.0) * (p.z > 0 ? p.x : p.y); });
+}
+
 TEST(Differentiate, says_what_it_does_not_understand_and_where) {
     const auto message = [](const std::string& body) {
         const auto error =
@@ -208,6 +221,8 @@ TEST(Differentiate, says_what_it_does_not_understand_and_where) {
     EXPECT_THAT(message("p.x = g;"), StartsWith("mine:3: cannot differentiate the global variable 'g'"));
     EXPECT_THAT(message("float a; float b = (a = p.x);"),
                 StartsWith("mine:3: cannot differentiate an assignment inside an expression"));
+    EXPECT_THAT(message("int i = 0; p.x = p.y > 0.0 ? p.x * float(i++) : 1.0;"),
+                StartsWith("mine:3: cannot differentiate a '?' between things that do more"));
     EXPECT_THAT(message("p.x = nothing;"),
                 StartsWith("mine:3: cannot differentiate 'nothing', which is declared nowhere"));
     EXPECT_THAT(message("p.x = nothing(p);"), StartsWith("mine:3: cannot differentiate the function 'nothing'"));

@@ -54,6 +54,12 @@ export interface Engine {
     toTarget(): Vector;
     /** From the camera to what is seen at a pixel [world units]; null where that is background. */
     pointAt(x: number, y: number): Vector | null;
+    /** Moves the plane of focus to what is seen at a pixel; false where that is background. */
+    focusAt(x: number, y: number): boolean;
+    /** What someone should know about how the scene is shown: a list of sentences. */
+    notesJson(): string;
+    /** Why the picture shows nothing; empty when it shows something. */
+    emptyReason(): string;
     /** Infinity where the subject cannot tell [world units]. */
     distanceToSurface(): number;
     distanceToTarget(): number;

@@ -20,7 +20,7 @@ export interface LoopHost {
 export type LoopEngine = Pick<
     Engine,
     | 'step' | 'show' | 'set' | 'tunable' | 'tune' | 'samples' | 'progress' | 'width' | 'height' | 'orbit' | 'pan' | 'zoom' | 'zoomAround' | 'look'
-    | 'fly' | 'aim' | 'toTarget' | 'pointAt' | 'distanceToSurface' | 'distanceToTarget'
+    | 'fly' | 'aim' | 'toTarget' | 'pointAt' | 'focusAt' | 'emptyReason' | 'distanceToSurface' | 'distanceToTarget'
 >;
 
 /** Still moving so long after the last move [ms]. */
@@ -85,6 +85,7 @@ export class Loop {
     private stepMs = 0;
     private workMs = 0;
     private distance: number | null = null;
+    private emptyReason = '';
     private shownAt: number[] = [];
     private reported: RunState | null = null;
     private reportedAt = -Infinity;
@@ -131,7 +132,7 @@ export class Loop {
     /** Turns towards what is seen at a point of the picture; whether there is anything. */
     focus(x: number, y: number): boolean {
         this.finishAim();
-        const to = this.engine.pointAt(Math.floor(x * this.engine.width()), Math.floor(y * this.engine.height()));
+        const to = this.engine.pointAt(...this.pixelAt(x, y));
         if (!to) return false;
         this.aim = { from: this.engine.toTarget(), to, start: this.host.now() };
         this.wake();
@@ -141,14 +142,10 @@ export class Loop {
     /** Makes sharp what is seen at a point of the picture, without turning; whether there is anything. */
     sharpen(x: number, y: number): boolean {
         this.finishAim();
-        const to = this.engine.pointAt(Math.floor(x * this.engine.width()), Math.floor(y * this.engine.height()));
-        if (!to) return false;
-        // The plane of focus is square to the view, and the target straight ahead.
-        const ahead = this.engine.toTarget();
-        const depth = (to[0] * ahead[0] + to[1] * ahead[1] + to[2] * ahead[2]) / Math.hypot(...ahead);
-        if (!(depth > 0)) return false;
+        if (!this.engine.focusAt(...this.pixelAt(x, y))) return false;
         this.documentStale = true;
-        this.edit('camera.focus', depth, false).catch((error) => this.host.failed(error));
+        this.forgetSamples();
+        this.wake();
         return true;
     }
 
@@ -257,6 +254,7 @@ export class Loop {
         }
         if (!moving && this.distance === null && this.engine.samples() > 0) {
             this.distance = this.engine.distanceToSurface();
+            this.emptyReason = this.engine.emptyReason();
         }
         const idle = !moving && (this.finished || resting) && this.edits.length === 0 && !this.engine.tunable();
         this.report(idle);
@@ -295,6 +293,7 @@ export class Loop {
         this.mustShow = false;
         this.finished = false;
         this.distance = null;
+        this.emptyReason = '';
         this.workMs = 0;
     }
 
@@ -365,6 +364,10 @@ export class Loop {
         return false;
     }
 
+    private pixelAt(x: number, y: number): [number, number] {
+        return [Math.floor(x * this.engine.width()), Math.floor(y * this.engine.height())];
+    }
+
     private finishAim(): void {
         if (!this.aim) return;
         this.engine.aim(...this.aim.to);
@@ -377,8 +380,7 @@ export class Loop {
             const same =
                 anchor && now - anchor.time < kZoomPause && Math.hypot(at.x - anchor.at.x, at.y - anchor.at.y) < kZoomReach;
             if (!anchor || !same) {
-                const pixel = [at.x * this.engine.width(), at.y * this.engine.height()] as const;
-                anchor = { at, time: now, point: this.engine.pointAt(Math.floor(pixel[0]), Math.floor(pixel[1])) };
+                anchor = { at, time: now, point: this.engine.pointAt(...this.pixelAt(at.x, at.y)) };
             }
             anchor.time = now;
             this.anchor = anchor;
@@ -434,6 +436,7 @@ export class Loop {
             sampleMs: samples > 0 ? this.workMs / samples : 0,
             size: { width: this.engine.width(), height: this.engine.height() },
             distance: this.distance,
+            emptyReason: this.emptyReason,
         });
     }
 }

@@ -6,7 +6,7 @@ import { automaticScale, renderSize } from './gestures';
 import { Panel } from './panel';
 import { isPng, sceneOf, withScene } from './png';
 import { messageOf, type Answer, type Size, type Status } from './protocol';
-import { deviceName, readingsOf } from './readings';
+import { deviceName, messagesOf, readingsOf } from './readings';
 import type { Json, SceneDocument, Schema } from './schema';
 import { installTips } from './tip';
 
@@ -57,6 +57,7 @@ let panel: Panel | null = null;
 let scene: SceneDocument = {};
 let ownModules: Schema['modules'] = {};
 let initialCamera: Json = null;
+let notes: string[] = [];
 let status: Status | null = null;
 let started: Answer<'start'> | null = null;
 let paused = false;
@@ -86,6 +87,7 @@ function onNotice(notice: Notice): void {
         case 'status':
             status = notice.status;
             showStatus(status);
+            showMessages();
             break;
         case 'scene':
             scene = notice.document;
@@ -95,6 +97,8 @@ function onNotice(notice: Notice): void {
             }
             document.title = typeof scene['title'] === 'string' && scene['title'] ? `${scene['title']} · Apeiron` : 'Apeiron';
             ownModules = notice.modules;
+            notes = notice.notes;
+            showMessages();
             panel?.show(scene, ownModules);
             break;
         case 'error':
@@ -109,6 +113,17 @@ function onNotice(notice: Notice): void {
             }
             break;
     }
+}
+
+let messages = '';
+
+function showMessages(): void {
+    const lines = messagesOf(notes, status);
+    if (lines.join('\n') === messages) return;
+    messages = lines.join('\n');
+    const element = byId('notes');
+    element.replaceChildren(...lines.map((line) => make('p', {}, line)));
+    element.hidden = lines.length === 0;
 }
 
 const readings = new Map<string, HTMLElement[]>();

@@ -9,7 +9,7 @@ const kCrcTable = Uint32Array.from({ length: 256 }, (_, n) => {
     return c;
 });
 
-function crc(bytes: Uint8Array): number {
+export function crc(bytes: Uint8Array): number {
     let c = 0xffffffff;
     for (const byte of bytes) c = kCrcTable[(c ^ byte) & 0xff]! ^ (c >>> 8);
     return (c ^ 0xffffffff) >>> 0;

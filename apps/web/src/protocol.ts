@@ -39,6 +39,7 @@ export interface Requests {
     resize: { ask: Size; answer: null };
     /** Makes what is seen at a point of the picture (fractions from the top left) the target; whether there is any. */
     focus: { ask: { x: number; y: number }; answer: boolean };
+    /** Moves the plane of focus there; whether there is anything. */
     sharpen: { ask: { x: number; y: number }; answer: boolean };
     pixels: { ask: Record<string, never>; answer: Size & { data: Uint8ClampedArray<ArrayBuffer>; samples: number } };
     png: { ask: Record<string, never>; answer: Blob };
@@ -98,14 +99,19 @@ export interface Status {
     size: Size;
     /** To the nearest surface [world units]; null: not known. */
     distance: number | null;
+    /** Why the picture shows nothing, in a line; empty: it shows something, or is not known yet. */
+    emptyReason: string;
 }
 
 export type FromWorker =
     | { type: 'answer'; id: number; answer: Answer<RequestName> }
     | { type: 'refused'; id: number; message: string }
     | { type: 'status'; status: Status }
-    /** The document has changed. `modules`: those whose source it holds; `loaded`: it is another one. */
-    | { type: 'scene'; document: SceneDocument; modules: Schema['modules']; loaded: boolean }
+    /**
+     * The document has changed. `modules`: those whose source it holds; `notes`: what someone should know about how it is
+     * shown; `loaded`: it is another one.
+     */
+    | { type: 'scene'; document: SceneDocument; modules: Schema['modules']; notes: string[]; loaded: boolean }
     | { type: 'error'; message: string }
     | { type: 'context'; state: 'lost' | 'restored' };
 

@@ -21,6 +21,12 @@ export function milliseconds(ms: number): string {
     return `${ms >= 10 ? ms.toFixed(0) : ms.toFixed(1)} ms`;
 }
 
+/** What the page tells about the picture, most urgent first. */
+export function messagesOf(notes: readonly string[], status: Status | null): string[] {
+    const reason = status?.emptyReason ?? '';
+    return (reason ? [reason, ...notes] : notes).map((line) => line.charAt(0).toUpperCase() + line.slice(1));
+}
+
 /** "ANGLE (NVIDIA, NVIDIA GeForce RTX 3060 (0x2504) Direct3D11 vs_5_0 ps_5_0, D3D11)" to "NVIDIA GeForce RTX 3060". */
 export function deviceName(renderer: string): string {
     if (/swiftshader/i.test(renderer)) return 'SwiftShader';

@@ -201,7 +201,8 @@ class Viewer {
     private sendDocument(): void {
         this.document = JSON.parse(this.engine.sceneJson(true)) as SceneDocument;
         const modules = JSON.parse(this.engine.ownModulesJson()) as Schema['modules'];
-        post({ type: 'scene', document: this.document, modules, loaded: this.loaded });
+        const notes = JSON.parse(this.engine.notesJson()) as string[];
+        post({ type: 'scene', document: this.document, modules, notes, loaded: this.loaded });
         this.loaded = false;
     }
 

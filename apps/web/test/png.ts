@@ -1,5 +1,6 @@
 // PNG for tests: 8 bits, RGB or RGBA, not interlaced.
 import { deflateSync, inflateSync } from 'node:zlib';
+import { crc } from '../src/png';
 
 export interface Picture {
     width: number;
@@ -52,13 +53,13 @@ export function decodePng(bytes: Uint8Array): Picture {
     return { width, height, data };
 }
 
-/** Chunks without checksums: nothing here looks at them. */
 export function encodePng(width: number, height: number, data: Uint8Array): Buffer {
     const chunk = (type: string, content: Buffer) => {
         const result = Buffer.alloc(12 + content.length);
         result.writeUInt32BE(content.length);
         result.write(type, 4, 'latin1');
         content.copy(result, 8);
+        result.writeUInt32BE(crc(result.subarray(4, 8 + content.length)) >>> 0, 8 + content.length);
         return result;
     };
     const header = Buffer.alloc(13);

@@ -30,6 +30,7 @@ const float dual_tiny = 1e-18;
 #define DUAL_OF_EVERY_SIZE(D, V, G) \
     D dual(V a) { return D(a, G(0.0)); } \
     V dual_value(D a) { return a.v; } \
+    D dual_select(bool c, D a, D b) { return D(c ? a.v : b.v, c ? a.g : b.g); } \
     D dual_neg(D a) { return D(-a.v, -a.g); } \
     D dual_add(D a, D b) { return D(a.v + b.v, a.g + b.g); } \
     D dual_add(D a, V b) { return D(a.v + b, a.g); } \

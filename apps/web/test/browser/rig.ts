@@ -17,7 +17,7 @@ declare global {
     }
 }
 
-const root = fileURLToPath(new URL('../../../..', import.meta.url));
+export const root = fileURLToPath(new URL('../../../..', import.meta.url));
 const dist = join(root, 'apps/web/dist');
 /** The page must work from any folder of a server. */
 const kFolder = '/some/folder/';
@@ -130,6 +130,50 @@ export async function pixels(page: Page): Promise<Picture & { samples: number }>
 /** What the screen shows of the canvas. */
 export async function shown(page: Page): Promise<Picture> {
     return decodePng(await page.locator('#view').screenshot());
+}
+
+/** Every picture that the page shows of the canvas while something is done. */
+export async function framesDuring(page: Page, work: () => Promise<void>): Promise<Picture[]> {
+    const recording = await page.evaluateHandle(() => {
+        const view = document.querySelector<HTMLCanvasElement>('#view')!;
+        const { width, height } = view.getBoundingClientRect();
+        const context = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true })!;
+        const frames: Uint8ClampedArray[] = [];
+        const recorder = { on: true, width, height, frames };
+        const record = () => {
+            context.drawImage(view, 0, 0, width, height);
+            const { data } = context.getImageData(0, 0, width, height);
+            const last = frames.at(-1);
+            if (!last || data.some((value, i) => value !== last[i])) frames.push(data);
+            if (recorder.on) requestAnimationFrame(record);
+        };
+        record();
+        return recorder;
+    });
+    await work();
+    const { width, height, frames } = await recording.evaluate((recorder) => {
+        recorder.on = false;
+        const text = (bytes: Uint8ClampedArray) => btoa(bytes.reduce((all, byte) => all + String.fromCharCode(byte), ''));
+        return { width: recorder.width, height: recorder.height, frames: recorder.frames.map(text) };
+    });
+    return frames.map((base64) => ({ width, height, data: new Uint8Array(Buffer.from(base64, 'base64')) }));
+}
+
+/** Part of the pixels that are like their left neighbour: 7 of 8 and more where a picture is made of 8 x 8 blocks. */
+export function flatness({ width, height, data }: Picture): number {
+    let flat = 0;
+    for (let i = 4; i < data.length; i += 4) {
+        if ((i / 4) % width === 0) continue;
+        if ([0, 1, 2].every((c) => Math.abs(data[i + c]! - data[i + c - 4]!) <= 1)) flat++;
+    }
+    return flat / ((width - 1) * height);
+}
+
+/** Mean of all channels [1/255]. */
+export function brightness({ data }: Picture): number {
+    let sum = 0;
+    for (let i = 0; i < data.length; i += 4) sum += data[i]! + data[i + 1]! + data[i + 2]!;
+    return sum / (0.75 * data.length);
 }
 
 export function screenshotPath(name: string): string {

@@ -61,6 +61,12 @@ class FakeEngine implements LoopEngine {
     aim = (x: number, y: number, z: number) => this.reset(`aim ${[x, y, z].map((v) => v.toFixed(1)).join(' ')}`);
     toTarget = (): Vector => [0, 0, -1];
     pointAt = () => this.hit;
+    focusAt(x: number, y: number): boolean {
+        if (this.hit) this.reset(`focus ${x} ${y}`);
+        return this.hit !== null;
+    }
+    empty = '';
+    emptyReason = () => this.empty;
     distanceToSurface = () => this.surface;
     distanceToTarget = () => 1;
 }
@@ -276,6 +282,22 @@ describe('the loop', () => {
         }
     });
 
+    it('tells why there is nothing to see once that is known, and forgets it with the next move', () => {
+        const { engine, loop, tick, settle, statuses } = rig(20);
+        engine.empty = 'inside';
+        loop.restarted();
+        expect(statuses.at(-1)!.emptyReason).toBe('');
+        settle();
+        expect(statuses.at(-1)!.emptyReason).toBe('inside');
+        engine.empty = '';
+        loop.motion(orbit(1));
+        tick();
+        loop.pause(true);
+        expect(statuses.at(-1)!.emptyReason).toBe('');
+        settle();
+        expect(statuses.at(-1)!.emptyReason).toBe('');
+    });
+
     it('turns to a new target smoothly and ends exactly there', () => {
         const { engine, loop, settle } = rig(4);
         engine.hit = [1, 0, 0];
@@ -290,15 +312,16 @@ describe('the loop', () => {
         expect(loop.focus(0.5, 0.5)).toBe(false);
     });
 
-    it('makes sharp what is seen at a point, by its depth', async () => {
-        const { engine, loop, settle } = rig(20);
+    it('makes sharp what is seen at a point, without turning', () => {
+        const { engine, loop, settle, documents } = rig(20);
         loop.restarted();
         settle();
-        engine.hit = [3, 4, -2]; // the target is along (0, 0, -1)
-        expect(loop.sharpen(0.5, 0.5)).toBe(true);
+        engine.log = [];
+        expect(loop.sharpen(0.25, 0.5)).toBe(true);
         settle();
-        expect(engine.log).toContain('camera.focus=2');
-        expect(engine.log.some((entry) => entry.startsWith('aim'))).toBe(false);
+        expect(engine.log.filter((entry) => !entry.startsWith('show'))).toEqual(['focus 25 50']);
+        expect(engine.log.at(-1)).toBe('show 16');
+        expect(documents()).toBe(1);
         engine.hit = null;
         expect(loop.sharpen(0.5, 0.5)).toBe(false);
     });

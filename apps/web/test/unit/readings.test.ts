@@ -1,6 +1,20 @@
 import { describe, expect, it } from 'vitest';
 import type { Status } from '../../src/protocol';
-import { deviceName, milliseconds, readingsOf, short } from '../../src/readings';
+import { deviceName, messagesOf, milliseconds, readingsOf, short } from '../../src/readings';
+
+const status: Status = {
+    state: 'rendering', samples: 3, limit: 64, progress: 0.5, moving: true, fps: 29.7, stepMs: 12, sampleMs: 430,
+    size: { width: 640, height: 360 }, distance: null, emptyReason: '',
+};
+
+describe('messages', () => {
+    it('begin with why there is nothing to see', () => {
+        const empty = { ...status, emptyReason: 'the camera is inside the surface' };
+        expect(messagesOf(['menger has no constant'], empty)).toEqual(['The camera is inside the surface', 'Menger has no constant']);
+        expect(messagesOf(['a note'], status)).toEqual(['A note']);
+        expect(messagesOf([], null)).toEqual([]);
+    });
+});
 
 describe('readings', () => {
     it('keep numbers short at every scale', () => {
@@ -20,10 +34,6 @@ describe('readings', () => {
     });
 
     it('tell frames per second while moving and time per sample at rest', () => {
-        const status: Status = {
-            state: 'rendering', samples: 3, limit: 64, progress: 0.5, moving: true, fps: 29.7, stepMs: 12, sampleMs: 430,
-            size: { width: 640, height: 360 }, distance: null,
-        };
         const value = (now: Status, key: string) => readingsOf(now).find((reading) => reading.key === key)!.value;
         expect(value(status, 'speed')).toBe('30 fps');
         expect(value({ ...status, moving: false }, 'speed')).toBe('430 ms');
