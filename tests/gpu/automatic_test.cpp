@@ -227,7 +227,9 @@ TEST(Normals, by_taps_and_by_positions_agree_with_the_analytic_ones_on_smooth_su
         "renderer": {"shadow": "none", "ambient_occlusion": "none"},
         "output": {"width": 32, "height": 32, "samples": 1}})");
     const auto exact = rendered(scene)->layers().geometry;
-    for (const char* other : {"tetrahedron", "positions"}) {
+    // Taps half a footprint (0.02) away see the mean of the surface's bend. Positions are on the surface, not in front
+    // of it as the hit is, and lean over on slopes, where the marches beside go farther.
+    for (const auto& [other, degrees] : {std::pair{"tetrahedron", 3.0}, {"positions", 15.0}}) {
         scene.set("subject.normals", std::string_view(other));
         const auto found = rendered(scene)->layers().geometry;
         std::size_t seen = 0;
@@ -239,8 +241,7 @@ TEST(Normals, by_taps_and_by_positions_agree_with_the_analytic_ones_on_smooth_su
             // At silhouettes neighbouring rays hit something else: that is known of positions.
             if (std::abs(b.y) < 0.3 * glm::length(b)) continue;
             ++seen;
-            // Half a footprint (0.02) away the surface has bent: within 3 degrees.
-            apart += glm::dot(glm::normalize(a), glm::normalize(b)) < std::cos(glm::radians(3.0));
+            apart += glm::dot(glm::normalize(a), glm::normalize(b)) < std::cos(glm::radians(degrees));
         }
         EXPECT_GT(seen, 100U);
         EXPECT_LE(apart, seen / 10) << other; // where two sheets meet within a footprint, both are seen

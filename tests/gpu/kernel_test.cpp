@@ -213,8 +213,7 @@ void expectSameFromBothStages(const scene::Scene& scene, bool specialise) {
 }
 
 class EveryFormula : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(Kernels, EveryFormula,
-                         testing::ValuesIn(parameter::moduleNames("formulas")),
+INSTANTIATE_TEST_SUITE_P(Kernels, EveryFormula, testing::ValuesIn(parameter::moduleNames("formulas")),
                          [](const auto& instance) { return instance.param; });
 
 TEST_P(EveryFormula, gives_the_same_picture_in_both_stages) {

@@ -13,8 +13,12 @@ namespace {
 
 struct View {
     const char* name;
-    std::initializer_list<std::pair<const char*, const char*>> values;
+    std::vector<std::pair<const char*, const char*>> values;
 };
+
+void PrintTo(const View& view, std::ostream* out) {
+    *out << view.name;
+}
 
 class EveryView : public testing::TestWithParam<View> {};
 INSTANTIATE_TEST_SUITE_P(
@@ -32,7 +36,8 @@ scene::Scene sceneOfView(const View& view) {
     scene::Scene scene = darkSphere({64, 48});
     scene.subject.set("formula", unitSphere());
     setAll(scene, {{"camera.filter", "gaussian"}, {"output.samples", "4"}});
-    setAll(scene, view.values);
+    for (const auto& [path, value] : view.values)
+        setAll(scene, {{path, value}});
     return scene;
 }
 
