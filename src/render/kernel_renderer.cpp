@@ -110,6 +110,7 @@ class KernelRenderer : public Renderer {
     void reset() override {
         empty_ = true;
         errorLimit_ = 0.0F;
+        prepassLeft_ = prepassSize_.x * prepassSize_.y;
     }
 
     bool holds(const Interleave& interleave) const override {
@@ -119,7 +120,10 @@ class KernelRenderer : public Renderer {
 
     glm::ivec2 prepassSize() const override { return prepassSize_; }
 
-    void prepass(const gpu::Region& region) override { prepass_->run(startsTargets_, region, prepassSize_); }
+    void prepass(const gpu::Region& region) override {
+        prepass_->run(startsTargets_, region, prepassSize_);
+        prepassLeft_ -= region.size.x * region.size.y;
+    }
 
     void setErrorLimit(float limit) override { errorLimit_ = limit; }
 
@@ -128,6 +132,7 @@ class KernelRenderer : public Renderer {
         const glm::ivec2 origin = offset * interleave.block(size_);
         generate_->set("random_sample", sample);
         generate_->set("error_limit", errorLimit_);
+        generate_->set("prepass_there", prepassLeft_ <= 0);
         bindAccumulators(*generate_);
         generate_->run(estimate_.targets, {origin + region.origin, region.size}, size_,
                        {origin, interleave.factor(), offset});
@@ -211,6 +216,7 @@ class KernelRenderer : public Renderer {
 
     glm::ivec2 size_;
     glm::ivec2 prepassSize_;
+    int prepassLeft_ = 0; ///< texels that are not worked out yet
     Buffers<3> estimate_;
     std::unique_ptr<Buffers<4>> front_; ///< the current accumulators
     std::unique_ptr<Buffers<4>> back_;

@@ -17,7 +17,7 @@ uniform bool bounding;        //! true invalidates program | Rays are cut to a s
 uniform bool prepass;         //! true invalidates program | One cone per 8 x 8 pixels first finds where their rays may start: without, for comparison
 uniform float relaxation;     //! 1.3 [1, 1.9] step 0.05 | Steps are longer than the estimate by this factor, and taken back where that goes too far: 1 for estimates that overshoot
 uniform float occlusion_reach; //! 0.12 [0.005, 2] log | How far ambient occlusion looks, relative to the distance from the camera
-uniform int normals;          //! tetrahedron {tetrahedron, analytic, positions} invalidates program | Normals from four estimates around the point, smooth over the pixel's footprint; or the estimate's exact gradient by dual numbers: crisp, right for smooth surfaces and magnified views, noisy where there is detail below the pixel; or from the positions that neighbouring rays hit, which no estimate's error can tilt, but which fail at silhouettes
+uniform int normals;          //! tetrahedron {tetrahedron, analytic} invalidates program | Normals from four estimates around the point, smooth over the pixel's footprint; or the estimate's exact gradient by dual numbers: crisp, right for smooth surfaces and magnified views, noisy where there is detail below the pixel
 
 float distance_estimate(vec3 p);
 vec3 distance_gradient(vec3 p);
@@ -109,34 +109,8 @@ float surface_clear(Ray cone) {
     return t * 0.99999;
 }
 
-// From the positions where this ray and two beside it, half a footprint away, meet the surface: what a position buffer tells of neighbouring
-// pixels, without waiting for them. All three are brought on to the surface by the same number of steps, so that they err alike.
-vec3 distance_normal_of_positions(Hit hit, vec3 direction) {
-    float h = 0.5 * hit.footprint;
-    vec3 right = normalize(cross(direction, abs(direction.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0)));
-    vec3 up = cross(right, direction);
-    // From in front of the surface on, as what is beside may be nearer.
-    vec3 front = hit.position - 2.0 * h * direction;
-    mat3 at = mat3(front, front + h * right, front + h * up);
-    vec3 before = vec3(0.0);
-    vec3 stride = vec3(0.0);
-    for (int i = 0; i < 3 * 4; ++i) {
-        int ray = i % 3;
-        float d = distance_estimate(at[ray]);
-        // Estimates fall short, the more so on slopes: how much, the last step has shown (the secant method).
-        stride[ray] = i < 3 ? d : clamp(stride[ray] * d / max(before[ray] - d, 1e-30), d, 8.0 * d);
-        before[ray] = d;
-        at[ray] += stride[ray] * direction;
-    }
-    vec3 n = cross(at[1] - at[0], at[2] - at[0]);
-    float length2 = dot(n, n);
-    if (length2 <= 0.0) return -direction;
-    return n * (inversesqrt(length2) * (dot(n, direction) > 0.0 ? -1.0 : 1.0));
-}
-
 // Gradient by four taps at the corners of a tetrahedron (Quilez 2015), or exact.
 vec3 surface_normal(Hit hit, vec3 direction) {
-    if (normals == 2) return distance_normal_of_positions(hit, direction);
     float h = 0.5 * hit.footprint;
     const vec2 k = vec2(1.0, -1.0);
     vec3 n = vec3(0.0);

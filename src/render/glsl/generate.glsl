@@ -4,6 +4,7 @@
 
 uniform sampler2D prepass_start; // where the rays of 2^prepass_shift square pixels may start
 uniform int prepass_shift;
+uniform bool prepass_there;      // the prepass was done
 uniform float error_limit;       // standard error of the luminance that is good enough [radiance]; 0: none is
 uniform sampler2D accumulator_mean;
 uniform sampler2D accumulator_spread;
@@ -33,6 +34,6 @@ void kernel_main(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 alb
         albedo = vec4(0.0);
         return;
     }
-    camera_start = texelFetch(prepass_start, pixel >> prepass_shift, 0).x;
+    camera_start = prepass_there ? texelFetch(prepass_start, pixel >> prepass_shift, 0).x : 0.0;
     renderer_kernel_main(pixel, radiance, geometry, albedo);
 }
