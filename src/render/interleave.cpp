@@ -63,7 +63,7 @@ std::array<int, Interleave::kMost * Interleave::kMost> Interleave::nearest(int d
                     best = i;
             }
             const glm::ivec2 to = offset(best);
-            steps[static_cast<std::size_t>(y * kMost + x)] =
+            steps[static_cast<std::size_t>(y) * kMost + static_cast<std::size_t>(x)] =
                 (wrapped(to.y - y, factor_) + 8) * 16 + wrapped(to.x - x, factor_) + 8;
         }
     }
