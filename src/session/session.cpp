@@ -293,9 +293,9 @@ bool Session::advance(double remaining, bool mustWork) {
         stale_ = true;
         return true;
     }
-    // Where the camera may move at any time, the first sample does not wait for the prepass: moves that follow each
-    // other quickly would never get beyond it.
-    if (!prepass_.done() && (samples_ > 0 || !options_.reproject)) {
+    // After a move the first sample does not wait for the prepass: moves that follow each other quickly would never get
+    // beyond it.
+    if (!prepass_.done() && (samples_ > 0 || !cameraBefore_)) {
         std::int64_t texels = prepassGovernor_.next(remaining, mustWork);
         if (options_.tilePixels > 0) texels = std::min(texels, options_.tilePixels);
         if (texels <= 0) return false;
