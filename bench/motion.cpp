@@ -1,7 +1,7 @@
 // A camera that moves around the subject for a while and then stops: does every step keep to its budget, is there a
 // whole picture in every frame, and when is the still one converged?
 //
-//     apeiron_motion [SCENE.json] [--size WxH] [--frames N] [--budget MS] [--dump FOLDER]
+//     apeiron_motion [SCENE.json] [--width W] [--height H] [--frames N] [--budget MS] [--dump FOLDER]
 
 #include "core/file.hpp"
 #include "core/stopwatch.hpp"

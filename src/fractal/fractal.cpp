@@ -39,29 +39,21 @@ class Fractal : public render::Subject {
     }
 };
 
-parameter::Parameter formulaParameter(const char* doc) {
-    parameter::Parameter formula;
-    formula.name = "formula";
-    formula.type = parameter::Type::Module;
-    formula.folder = "formulas";
-    formula.defaultValue = parameter::ModuleReference{"mandelbulb", {}};
-    formula.invalidates = parameter::Invalidates::Program;
-    formula.doc = doc;
-    formula.where = "src/fractal/fractal.cpp";
-    return formula;
+/// A choice among the modules of a folder, each choice another program.
+parameter::Parameter moduleParameter(const char* name, const char* folder, const char* byDefault, const char* doc) {
+    parameter::Parameter parameter;
+    parameter.name = name;
+    parameter.type = parameter::Type::Module;
+    parameter.folder = folder;
+    parameter.defaultValue = parameter::ModuleReference{byDefault, {}};
+    parameter.invalidates = parameter::Invalidates::Program;
+    parameter.doc = doc;
+    parameter.where = "src/fractal/fractal.cpp";
+    return parameter;
 }
 
-parameter::Parameter paletteParameter() {
-    parameter::Parameter palette;
-    palette.name = "palette";
-    palette.type = parameter::Type::Module;
-    palette.folder = "palettes";
-    palette.defaultValue = parameter::ModuleReference{"sunset", {}};
-    palette.invalidates = parameter::Invalidates::Program;
-    palette.doc =
-        "The colours along a measure, where coloring is palette: a name, or the path of a GLSL file of your own";
-    palette.where = "src/fractal/fractal.cpp";
-    return palette;
+parameter::Parameter formulaParameter(const char* doc) {
+    return moduleParameter("formula", "formulas", "mandelbulb", doc);
 }
 
 } // namespace
@@ -77,7 +69,9 @@ render::SubjectType subjectType() {
              "fractal",
              "A three-dimensional fractal given by a distance estimate",
              {formulaParameter("The map that is iterated: a name, or the path of a GLSL file of your own"),
-              paletteParameter()},
+              moduleParameter("palette", "palettes", "sunset",
+                              "The colours along a measure, where coloring is palette: a name, or the path of a GLSL "
+                              "file of your own")},
              {"render/glsl/distance_surface.glsl", "fractal/fractal.glsl", "fractal/material.glsl", kSlotFile}},
             {std::move(slot)},
             [] { return std::unique_ptr<render::Subject>(new Fractal); }};

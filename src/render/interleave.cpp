@@ -19,15 +19,13 @@ int squaredDistance(glm::ivec2 a, glm::ivec2 b, int period) {
     return dx * dx + dy * dy;
 }
 
-} // namespace
-
-Interleave::Interleave(int factor, int first) : factor_(factor), first_(first % (factor * factor)) {
-    assert(factor >= 1 && factor <= kMost && first >= 0);
+std::vector<glm::ivec2> farthestPointOrder(int factor) {
     std::vector<glm::ivec2> left;
     for (int y = 0; y < factor; ++y) {
         for (int x = 0; x < factor; ++x)
             left.emplace_back(x, y);
     }
+    std::vector<glm::ivec2> order;
     while (!left.empty()) {
         // The farthest from what is there; of several, the one with the least company.
         std::size_t best = 0;
@@ -36,7 +34,7 @@ Interleave::Interleave(int factor, int first) : factor_(factor), first_(first % 
         for (std::size_t i = 0; i < left.size(); ++i) {
             int nearest = std::numeric_limits<int>::max();
             double company = 0.0;
-            for (const glm::ivec2 there : offsets_) {
+            for (const glm::ivec2 there : order) {
                 const int d2 = squaredDistance(left[i], there, factor);
                 nearest = std::min(nearest, d2);
                 company += 1.0 / d2;
@@ -47,9 +45,28 @@ Interleave::Interleave(int factor, int first) : factor_(factor), first_(first % 
                 bestCompany = company;
             }
         }
-        offsets_.push_back(left[best]);
+        order.push_back(left[best]);
         left.erase(left.begin() + static_cast<std::ptrdiff_t>(best));
     }
+    return order;
+}
+
+/// Every move of the camera makes an Interleave: the orders are worked out once.
+const std::vector<glm::ivec2>& orderOf(int factor) {
+    static const auto kOrders = [] {
+        std::array<std::vector<glm::ivec2>, Interleave::kMost> orders;
+        for (int f = 1; f <= Interleave::kMost; ++f)
+            orders[static_cast<std::size_t>(f) - 1] = farthestPointOrder(f);
+        return orders;
+    }();
+    return kOrders[static_cast<std::size_t>(factor) - 1];
+}
+
+} // namespace
+
+Interleave::Interleave(int factor, int first) : factor_(factor), first_(first % (factor * factor)) {
+    assert(factor >= 1 && factor <= kMost && first >= 0);
+    offsets_ = orderOf(factor);
 }
 
 std::array<int, Interleave::kMost * Interleave::kMost> Interleave::nearest(int done) const {

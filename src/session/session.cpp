@@ -451,7 +451,9 @@ double Session::distanceToSurface() {
 bool Session::moveCamera(const scene::Camera& wanted) {
     const scene::Camera here = camera();
     const glm::dvec3 way = render::difference(wanted.position(), here.position());
-    const double part = renderer_->lookAround(scene_, *subject_, glm::vec3(way)).freePart;
+    // Turning in place needs no look around, which waits for the GPU.
+    const bool stays = way == glm::dvec3(0.0);
+    const double part = stays ? 1.0 : renderer_->lookAround(scene_, *subject_, glm::vec3(way)).freePart;
     if (part >= 1.0) {
         setCamera(wanted);
         return true;
