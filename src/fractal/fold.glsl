@@ -12,6 +12,15 @@ mat3 fold_rotation(vec3 degrees) {
 // Onto the positive side of the plane through the origin with that unit normal.
 vec3 fold_plane(vec3 p, vec3 normal) { return p - 2.0 * min(dot(p, normal), 0.0) * normal; }
 
+// Into the wedge x >= y >= z >= 0: all mirrors of the cube.
+vec3 fold_sorted(vec3 p) {
+    p = abs(p);
+    if (p.x < p.y) p.xy = p.yx;
+    if (p.x < p.z) p.xz = p.zx;
+    if (p.y < p.z) p.yz = p.zy;
+    return p;
+}
+
 // The mirror groups of the Platonic solids (Coxeter 1934) as folds (Knighty 2010): the mirrors are x = 0, y = 0 and a third one at
 // pi / order with y = 0 and pi / 3 with x = 0. Everything is mirrored into the wedge between the three.
 vec3 fold_mirror(int order) {

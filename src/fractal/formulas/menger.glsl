@@ -11,10 +11,7 @@ uniform int iterations; //! 6 [1, 20] | Iterations of the map
 uniform float bailout;  //! 100 [10, 10000] log | Escape radius
 
 void iterate(inout Orbit orbit) {
-    vec3 z = abs(orbit.z);
-    if (z.x < z.y) z.xy = z.yx;
-    if (z.x < z.z) z.xz = z.zx;
-    if (z.y < z.z) z.yz = z.zy;
+    vec3 z = fold_sorted(orbit.z);
     if (rotation != vec3(0.0)) z = fold_rotation(rotation) * z;
     vec3 shift = offset * (scale - 1.0);
     z = scale * z - shift;

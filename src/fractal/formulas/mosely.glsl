@@ -10,10 +10,7 @@ uniform int iterations; //! 6 [1, 20] | Iterations of the map
 uniform float bailout;  //! 100 [10, 10000] log | Escape radius
 
 void iterate(inout Orbit orbit) {
-    vec3 z = abs(orbit.z);
-    if (z.x < z.y) z.xy = z.yx;
-    if (z.x < z.z) z.xz = z.zx;
-    if (z.y < z.z) z.yz = z.zy;
+    vec3 z = fold_sorted(orbit.z);
     if (rotation != vec3(0.0)) z = fold_rotation(rotation) * z;
     vec2 shift = offset * (scale - 1.0);
     // The part in the middle of a face is the mirror image of the part at its edge.

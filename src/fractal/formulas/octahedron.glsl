@@ -13,10 +13,7 @@ uniform float bailout; //! 100 [10, 10000] log | Escape radius
 void iterate(inout Orbit orbit) {
     vec3 z = orbit.z;
     if (rotation != vec3(0.0)) z = fold_rotation(rotation) * z;
-    z = abs(z);
-    if (z.x < z.y) z.xy = z.yx;
-    if (z.x < z.z) z.xz = z.zx;
-    if (z.y < z.z) z.yz = z.zy;
+    z = fold_sorted(z);
     if (rotation_after != vec3(0.0)) z = fold_rotation(rotation_after) * z;
     orbit.z = scale * z - offset * (scale - 1.0);
     orbit.derivative *= scale;
