@@ -17,9 +17,8 @@ class Address {
     /// The root cell.
     Address() = default;
 
-    /// Reads digits 0 to 3. Runs may be written short, `(20)x500` for 500 times 20, as toString() does; white space
-    /// between is ignored. @throws Error (BadInput) that names the first wrong character and its position, and for more
-    /// than kMaxLevels levels.
+    /// Reads digits 0 to 3; white space between them is ignored. @throws Error (BadInput) that names the first wrong
+    /// character and its position, and for more than kMaxLevels levels.
     static Address parse(std::string_view text);
 
     /// All digits, one a level.
@@ -38,13 +37,16 @@ class Address {
     /// The path's first `levels` levels. @pre 0 <= levels <= levels()
     Address prefix(std::int64_t levels) const;
 
-    /// The cell at an offset of cells of the same level. Wraps around at the root cell's borders: false, and the
-    /// address is undefined, when the way leads out of the root cell.
-    bool move(std::int64_t dx, std::int64_t dy);
+    /// Goes to the cell that lies (dx, dy) cells of the same level away, by carry from digit to digit.
+    /// @returns the level down to which the path is as before, levels() when nothing changed; -1, and nothing changes,
+    /// when the way leads out of the root cell. @pre |dx|, |dy| < 2^62
+    std::int64_t move(std::int64_t dx, std::int64_t dy);
 
     bool operator==(const Address&) const = default;
 
   private:
+    void setDigit(std::int64_t level, int digit);
+
     std::vector<std::uint64_t> words_; ///< 32 digits each, the first in the lowest bits; unused bits are 0
     std::int64_t levels_ = 0;
 };
