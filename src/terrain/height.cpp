@@ -21,6 +21,7 @@ constexpr std::uint64_t integerRoot(std::uint64_t x) {
 /// the exponent.
 constexpr std::uint64_t computedPower(int thousandths) {
     constexpr unsigned kBits = 24;
+    if (thousandths == 1000) return std::uint64_t{1} << 32U;
     const std::uint64_t exponent = ((static_cast<std::uint64_t>(thousandths) << kBits) + 500) / 1000;
     std::uint64_t factor = std::uint64_t{1} << 32U;
     std::uint64_t power = std::uint64_t{1} << 31U;

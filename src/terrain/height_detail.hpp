@@ -42,6 +42,19 @@ constexpr std::uint32_t childHeight(std::uint32_t weightedSum, std::uint32_t ref
     return (reference << static_cast<unsigned>(step)) + static_cast<std::uint32_t>(difference >> (6 - step));
 }
 
+/// A height as the camera's is kept: in 2^-32 units, modulo 2^64.
+constexpr std::uint64_t ringHeight(std::int32_t height) {
+    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(height)) << 32U;
+}
+
+/// Such a height in units of the level before. @param near a height of that level not far away, since the height is
+/// known but for a multiple of half the ring @param step heightStep() of the level of `height`
+constexpr std::uint64_t parentHeight(std::uint64_t height, std::int32_t near, int step) {
+    const std::uint64_t reference = ringHeight(near);
+    const auto difference = static_cast<std::int64_t>(height - (reference << static_cast<unsigned>(step)));
+    return reference + static_cast<std::uint64_t>(difference >> static_cast<unsigned>(step));
+}
+
 /// The heights of a square block of lattice points of level + 1 from one of level: `count` points along a side from
 /// (2 x + firstX, 2 y + firstY), of parents that begin at (x, y), `stride` of them in a row.
 /// @pre firstX, firstY >= 1, and parents reach to (firstX + count) / 2 + 1 along each axis

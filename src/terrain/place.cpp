@@ -2,6 +2,7 @@
 
 #include "terrain/height_detail.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <utility>
@@ -23,17 +24,6 @@ std::pair<std::int64_t, std::uint64_t> wholeAndFraction(double x) {
     const std::uint64_t carry = high >= 4294967296.0 ? 1 : 0;
     const std::uint64_t bits = (static_cast<std::uint64_t>(high) << 32U) + static_cast<std::uint64_t>(low);
     return {static_cast<std::int64_t>(whole) + static_cast<std::int64_t>(carry), bits};
-}
-
-std::uint64_t ringHeight(std::int32_t height) {
-    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(height)) << 32U;
-}
-
-/// Half of a height of a level with step 1, as a height of the level before; `near` is one of that level near it.
-std::uint64_t parentHeight(std::uint64_t height, std::int32_t near, int step) {
-    const std::uint64_t reference = ringHeight(near);
-    const auto difference = static_cast<std::int64_t>(height - (reference << static_cast<unsigned>(step)));
-    return reference + static_cast<std::uint64_t>(difference >> static_cast<unsigned>(step));
 }
 
 } // namespace
@@ -82,7 +72,7 @@ Block childBlock(const Shape& shape, const Block& block, int digit) {
 Place::Place(const Shape& shape, Address address) : shape_(shape), address_(std::move(address)) {
     pushBlock(rootBlock(shape_));
     rebuild(0);
-    height_ = ringHeight(block().cell().window[5]);
+    height_ = detail::ringHeight(block().cell().window[5]);
 }
 
 void Place::pushBlock(const Block& block) {
@@ -136,17 +126,50 @@ Block Place::ancestor(std::int64_t level) const {
     return block;
 }
 
+Cell Place::cellNear(std::int64_t level, std::int64_t dx, std::int64_t dy) const {
+    // Coordinates modulo 2^32 as numbers: what is above them is the same on the whole way.
+    const std::int64_t below = std::max<std::int64_t>(level - this->level(), 0);
+    const auto here = [&](std::uint64_t fraction, std::uint32_t x) {
+        const auto bits = static_cast<std::int64_t>(below == 0 ? 0 : fraction >> static_cast<unsigned>(64 - below));
+        return (static_cast<std::int64_t>(x) << static_cast<unsigned>(below)) + bits;
+    };
+    const Block& start = block(std::min(level, this->level()));
+    const std::int64_t hereX = here(x_, start.x);
+    const std::int64_t hereY = here(y_, start.y);
+    const std::int64_t x = hereX + dx;
+    const std::int64_t y = hereY + dy;
+    std::int64_t up = below;
+    const auto beside = [&](std::int64_t a, std::int64_t b) {
+        return (a >> static_cast<unsigned>(up)) - (b >> static_cast<unsigned>(up));
+    };
+    const auto isNear = [](std::int64_t offset) { return offset >= -1 && offset <= 1; };
+    const std::int64_t most = level - live_.front().level;
+    while (up < most && !(isNear(beside(x, hereX)) && isNear(beside(y, hereY))))
+        ++up;
+    const auto clamped = [](std::int64_t offset) {
+        return static_cast<int>(std::min<std::int64_t>(std::max<std::int64_t>(offset, -1), 1));
+    };
+    Cell cell = block(level - up).cell(clamped(beside(x, hereX)), clamped(beside(y, hereY)));
+    while (up > 0) {
+        --up;
+        cell = childCell(
+            shape_, cell,
+            static_cast<int>(((x >> static_cast<unsigned>(up)) & 1) | (((y >> static_cast<unsigned>(up)) & 1) << 1)));
+    }
+    return cell;
+}
+
 std::uint64_t Place::heightAt(std::int64_t level) const {
     std::uint64_t height = height_;
     for (std::int64_t n = this->level(); n < level; ++n)
         height <<= static_cast<unsigned>(heightStep(shape_, n + 1));
     for (std::int64_t n = this->level(); n > level; --n)
-        height = parentHeight(height, block(n - 1).heights[14], heightStep(shape_, n));
+        height = detail::parentHeight(height, block(n - 1).heights[14], heightStep(shape_, n));
     return height;
 }
 
 glm::dvec3 Place::position() const {
-    const auto above = static_cast<std::int64_t>(height_ - ringHeight(block().heights[14]));
+    const auto above = static_cast<std::int64_t>(height_ - detail::ringHeight(block().heights[14]));
     return {std::ldexp(static_cast<double>(x_ >> 11U), -53), std::ldexp(static_cast<double>(y_ >> 11U), -53),
             std::ldexp(static_cast<double>(above), -32 - kFractionBits)};
 }
@@ -154,7 +177,7 @@ glm::dvec3 Place::position() const {
 void Place::setPosition(const glm::dvec3& position) {
     x_ = wholeAndFraction(position.x).second;
     y_ = wholeAndFraction(position.y).second;
-    height_ = ringHeight(block().heights[14]) + fixedPoint(position.z, 32 + kFractionBits);
+    height_ = detail::ringHeight(block().heights[14]) + fixedPoint(position.z, 32 + kFractionBits);
 }
 
 bool Place::move(const glm::dvec3& offset) {
