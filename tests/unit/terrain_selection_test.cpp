@@ -142,30 +142,47 @@ TEST(TerrainSelection, border_vertices_of_morphed_tiles_have_identical_bits) {
 }
 
 TEST(TerrainSelection, clearance_is_below_the_distance_to_every_vertex_and_not_far_below) {
+    int above = 0;
+    int below = 0;
     for (const Shape& shape : shapes()) {
-        for (const double height : {0.7, 3.0}) {
+        for (const double height : {-0.8, 0.7, 3.0}) {
             const Place place = placeAt(shape, 120, 3, {0.4, 0.6, height});
             Selection selection;
             const double clearance = selection.clearance(place, 1.0);
-            const auto& tiles = selection.select(place, everything(6, 4.0));
+            const auto& tiles = selection.select(place, everything(6, 3.0));
             double nearest = 1e300;
+            double aside = 1e300;
+            bool underGround = false;
             std::vector<VertexHeights> heights(65 * 65);
             for (const Tile& tile : tiles) {
-                if (tile.distance > 8.0) continue;
+                if (tile.distance > 6.0) continue;
                 tileHeights(shape, tile.cell, 6, 0, heights);
                 for (int i = 0; i < 65 * 65; ++i) {
-                    const glm::dvec3 at(
-                        (tile.offset.x + i % 65) * tile.spacing, (tile.offset.y + i / 65) * tile.spacing,
-                        heightDifference(heights[static_cast<std::size_t>(i)].x, tile.originHeight) * tile.heightUnit);
-                    nearest = std::min(nearest, glm::length(at - selection.camera()));
+                    const double z =
+                        heightDifference(heights[static_cast<std::size_t>(i)].x, tile.originHeight) * tile.heightUnit;
+                    const glm::dvec3 at((tile.offset.x + i % 65) * tile.spacing,
+                                        (tile.offset.y + i / 65) * tile.spacing, z);
+                    const glm::dvec3 way = at - selection.camera();
+                    nearest = std::min(nearest, glm::length(way));
+                    if (std::hypot(way.x, way.y) < aside) {
+                        aside = std::hypot(way.x, way.y);
+                        underGround = way.z > 0.0;
+                    }
                 }
             }
-            if (place.position().z < 0.0 && clearance <= 0.0) continue;
+            if (underGround) {
+                EXPECT_EQ(clearance, 0.0);
+                ++below;
+                continue;
+            }
+            ++above;
             EXPECT_LE(clearance, nearest);
             // Boxes are a quarter of the distance in size, and as high as all octaves could make them.
             EXPECT_GT(clearance, 0.3 * nearest);
         }
     }
+    EXPECT_GE(above, 4);
+    EXPECT_GE(below, 4);
 }
 
 TEST(TerrainSelection, what_is_culled_is_not_in_the_picture) {
