@@ -187,8 +187,7 @@ void tileHeights(const Shape& shape, const Cell& cell, int levels, int margin, s
     }
     const int cells = 1 << levels;
     const auto side = static_cast<std::size_t>(cells) + 3;
-    const std::size_t row = static_cast<std::size_t>(cells) + 1 + 2 * static_cast<std::size_t>(margin);
-    assert(vertices.size() >= row * row);
+    assert(vertices.size() >= static_cast<std::size_t>((cells + 1 + 2 * margin) * (cells + 1 + 2 * margin)));
     std::size_t at = 0;
     for (int j = -margin; j <= cells + margin; ++j) {
         const std::uint32_t* fine = children.data() + static_cast<std::size_t>(j + 1) * side;

@@ -198,6 +198,56 @@ bool Place::move(const glm::dvec3& offset) {
     return true;
 }
 
+std::pair<std::uint32_t, double> Place::along(int axis, std::int64_t level) const {
+    std::uint64_t fraction = axis == 0 ? x_ : y_;
+    std::uint32_t cell = axis == 0 ? block().x : block().y;
+    const std::int64_t down = level - this->level();
+    if (down > 0) {
+        cell = (cell << static_cast<unsigned>(std::min<std::int64_t>(down, 31)) << (down > 31 ? down - 31 : 0)) |
+               static_cast<std::uint32_t>(fraction >> static_cast<unsigned>(64 - down));
+        fraction <<= static_cast<unsigned>(down);
+        return {cell, std::ldexp(static_cast<double>(fraction >> 11U), -53)};
+    }
+    const Block& ancestor = block(level);
+    const std::uint32_t above = axis == 0 ? ancestor.x : ancestor.y;
+    // Which part of the ancestor the cell is in: at most kLiveLevels bits.
+    const auto inside = static_cast<double>(cell - (above << static_cast<unsigned>(-down)));
+    return {above, std::ldexp(inside + std::ldexp(static_cast<double>(fraction >> 11U), -53), static_cast<int>(down))};
+}
+
+glm::dvec3 Place::toCell(const Cell& cell) const {
+    const auto [x, fractionX] = along(0, cell.level);
+    const auto [y, fractionY] = along(1, cell.level);
+    const double edge = std::ldexp(1.0, static_cast<int>(level() - cell.level));
+    const auto corner = [&](std::size_t i) { return heightDifference(cell.window[i], cell.window[5]); };
+    const double mean = 0.25 * (static_cast<double>(corner(6)) + corner(9) + corner(10));
+    const auto above = static_cast<std::int64_t>(detail::ringHeight(cell.window[5]) - heightAt(cell.level));
+    const auto exponent = static_cast<int>(heightExponent(shape_, level()) - heightExponent(shape_, cell.level));
+    return {(static_cast<double>(static_cast<std::int32_t>(cell.x - x)) + 0.5 - fractionX) * edge,
+            (static_cast<double>(static_cast<std::int32_t>(cell.y - y)) + 0.5 - fractionY) * edge,
+            std::ldexp(std::ldexp(static_cast<double>(above), -32) + mean, exponent - kFractionBits)};
+}
+
+glm::dvec3 Place::to(const Place& other) const {
+    assert(other.level() == level());
+    const auto difference = [](std::uint32_t cell, std::uint32_t otherCell, std::uint64_t at, std::uint64_t otherAt) {
+        const double cells = static_cast<double>(static_cast<std::int32_t>(otherCell - cell));
+        return cells + (std::ldexp(static_cast<double>(otherAt), -64) - std::ldexp(static_cast<double>(at), -64));
+    };
+    return {difference(block().x, other.block().x, x_, other.x_), difference(block().y, other.block().y, y_, other.y_),
+            std::ldexp(static_cast<double>(static_cast<std::int64_t>(other.height_ - height_)), -32 - kFractionBits)};
+}
+
+void Place::moveTo(const Place& other) {
+    assert(other.level() == level());
+    const std::int64_t same = address_.move(static_cast<std::int32_t>(other.block().x - block().x),
+                                            static_cast<std::int32_t>(other.block().y - block().y));
+    if (same >= 0 && same < level()) rebuild(same);
+    x_ = other.x_;
+    y_ = other.y_;
+    height_ = other.height_;
+}
+
 void Place::descend() {
     const int digit = static_cast<int>((x_ >> 63U) | ((y_ >> 63U) << 1U));
     address_.push(digit);

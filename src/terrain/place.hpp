@@ -4,6 +4,7 @@
 #include "terrain/height.hpp"
 
 #include <deque>
+#include <utility>
 
 namespace apeiron::terrain {
 
@@ -76,6 +77,15 @@ class Place {
     /// the root cell. @returns false where it did. @pre |offset| < 2^18
     bool move(const glm::dvec3& offset);
 
+    /// From the point to the middle of a cell, at its corners' mean height [cells of level()].
+    /// @pre max(0, level() - kLiveLevels) <= cell.level <= level() + 40, and the cell is less than 2^31 of its own away
+    glm::dvec3 toCell(const Cell& cell) const;
+    /// From the point to another place of the same terrain and level [cells], less than 2^31 away.
+    glm::dvec3 to(const Place& other) const;
+    /// Moves to exactly the point of another place of the same terrain and level, by carry from cell to cell.
+    /// @pre less than 2^31 cells away, without leaving the root cell
+    void moveTo(const Place& other);
+
     /// Makes the child in which the point lies the cell: the same point, of twice the coordinates.
     /// @throws Error (BadInput) at Address::kMaxLevels.
     void descend();
@@ -91,6 +101,8 @@ class Place {
     /// Computes blocks anew from a level on (whose own is still right).
     void rebuild(std::int64_t level);
     void keepLive();
+    /// Coordinate of the cell of any level from level() - kLiveLevels on that holds the point, and the point within it.
+    std::pair<std::uint32_t, double> along(int axis, std::int64_t level) const;
 
     Shape shape_;
     Address address_;
