@@ -224,7 +224,7 @@ class KernelRenderer : public Renderer {
         kernel.set("history_albedo", before.albedo);
         kernel.set("history_point", before.point);
         if (history) {
-            history->view.uploadAsHistory(kernel, history->offset);
+            history->view.uploadAsHistory(kernel, history->offset, history->scale);
             kernel.set("history_share", history->share);
         }
         return kernel;

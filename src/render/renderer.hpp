@@ -23,6 +23,7 @@ struct History {
     const Picture& picture;
     const View& view;       ///< under which it was made; of the same size and projection as the present one
     glm::vec3 offset{0.0F}; ///< from the present camera to its camera [world units]
+    float scale = 1.0F;     ///< world units now per unit then
     float share = 0.0F;     ///< its weight where there are new values too, 0..1
 };
 

@@ -50,6 +50,10 @@ class Subject {
     /// radius 1
     virtual void draw(glm::vec2 /*shift*/, glm::vec2 /*lens*/) const {}
 
+    /// After a move of the camera: changes the scene's units where others fit the place better, in subjects without a
+    /// limit in depth. The picture stays the same. @returns new units per old one, where it changed them
+    virtual std::optional<double> rebase(scene::Scene& /*scene*/) const { return std::nullopt; }
+
     /// What it counts, for statistics: names and values of now.
     virtual std::vector<std::pair<std::string, double>> counters() const { return {}; }
 

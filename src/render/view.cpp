@@ -47,7 +47,8 @@ View::View(const scene::Scene& scene, glm::ivec2 size) : size_(size) {
     seed_ = static_cast<std::uint32_t>(scene.output.integer("seed"));
 }
 
-void View::uploadAsHistory(gpu::Kernel& kernel, glm::vec3 offset) const {
+void View::uploadAsHistory(gpu::Kernel& kernel, glm::vec3 offset, float scale) const {
+    kernel.set("history_scale", scale);
     kernel.set("history_basis", basis_);
     kernel.set("history_extent", extent_);
     kernel.set("history_offset", offset);

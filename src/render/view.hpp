@@ -17,8 +17,8 @@ class View {
     void upload(gpu::Kernel& kernel) const;
 
     /// Sets the uniforms of history.glsl: this view is the one of an older picture. @param offset from the present
-    /// camera to this one [world units]
-    void uploadAsHistory(gpu::Kernel& kernel, glm::vec3 offset) const;
+    /// camera to this one [world units] @param scale world units now per unit then
+    void uploadAsHistory(gpu::Kernel& kernel, glm::vec3 offset, float scale) const;
 
   private:
     glm::ivec2 size_;

@@ -215,6 +215,7 @@ void Session::keepPicture() {
     present();
     std::swap(picture_, before_);
     cameraBefore_ = camera();
+    scaleBefore_ = 1.0;
     viewBefore_ = std::make_unique<render::View>(scene_, size());
 }
 
@@ -402,7 +403,7 @@ void Session::present() {
         const float share = samples_ == 0
                                 ? kShareAtFirst
                                 : kShareAtFirst * (1.0F - static_cast<float>(samples_) / static_cast<float>(fading));
-        history.emplace(render::History{*before_, *viewBefore_, offset, share});
+        history.emplace(render::History{*before_, *viewBefore_, offset, static_cast<float>(scaleBefore_), share});
     }
     timed("present", [&] { renderer_->present(*picture_, interleave_, progress, history ? &*history : nullptr); });
     stale_ = false;
@@ -468,6 +469,26 @@ double Session::distanceToSurface() {
     return renderer_->lookAround(scene_, *subject_, glm::vec3(0.0F)).distance;
 }
 
+void Session::rebase() {
+    scene::Scene edited = scene_;
+    const std::optional<double> scale = subject_->rebase(edited);
+    if (!scale) return;
+    if (cameraBefore_) {
+        // The same place as before, in the new units from the camera.
+        const glm::dvec3 away = render::difference(cameraBefore_->position(), camera().position());
+        parameter::Decimal3 place = edited.camera.get<parameter::Decimal3>("position");
+        for (std::size_t i = 0; i < 3; ++i)
+            place[i] = place[i] + Decimal(*scale * away[static_cast<int>(i)]);
+        parameter::Node node = cameraBefore_->node();
+        node.set("position", place);
+        cameraBefore_.emplace(std::move(node));
+        scaleBefore_ *= *scale;
+    }
+    scene_ = std::move(edited);
+    renderer_->setScene(scene_, render::View(scene_, size()), *subject_);
+    stale_ = true;
+}
+
 bool Session::moveCamera(const scene::Camera& wanted) {
     const scene::Camera here = camera();
     const glm::dvec3 way = render::difference(wanted.position(), here.position());
@@ -476,6 +497,7 @@ bool Session::moveCamera(const scene::Camera& wanted) {
     const double part = stays ? 1.0 : renderer_->lookAround(scene_, *subject_, glm::vec3(way)).freePart;
     if (part >= 1.0) {
         setCamera(wanted);
+        if (!stays) rebase();
         return true;
     }
     parameter::Node node = wanted.node();
@@ -484,6 +506,7 @@ bool Session::moveCamera(const scene::Camera& wanted) {
         place[i] = place[i] + Decimal(part * way[static_cast<int>(i)]);
     node.set("position", place);
     setCamera(scene::Camera(std::move(node)));
+    rebase();
     return false;
 }
 

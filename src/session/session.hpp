@@ -144,6 +144,8 @@ class Session {
   private:
     /// Takes another scene, of which `what` is stale; the old one stays when that throws. Returns what was made anew.
     parameter::Invalidates replace(scene::Scene scene, parameter::Invalidates what);
+    /// After a move: world units that fit the place (see render::Subject::rebase()). The picture stays.
+    void rebase();
     void apply(parameter::Invalidates what, bool sizeChanged);
     void present();
     /// Forgets all samples. @param keep the old picture fills the new one
@@ -170,6 +172,7 @@ class Session {
     std::unique_ptr<render::Picture> picture_;
     std::unique_ptr<render::Picture> before_;   ///< the picture of before the camera moved ...
     std::optional<scene::Camera> cameraBefore_; ///< ... and its camera; none: there is none
+    double scaleBefore_ = 1.0;                  ///< world units now per unit of that picture
     std::unique_ptr<render::View> viewBefore_;
     std::unique_ptr<post::Chain> chain_;
     std::unique_ptr<gpu::Texture> displayTexture_;

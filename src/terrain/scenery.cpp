@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 namespace apeiron::terrain {
 namespace {
@@ -16,6 +17,9 @@ using parameter::Decimal3;
 
 /// Tiles reach this much beyond the picture, for the filter's reach.
 constexpr double kWider = 1.02;
+
+/// A camera stops where the ground is so much nearer than at the way's beginning.
+constexpr double kNearest = 0.05;
 
 template <class T> std::span<const std::byte> bytesOf(const std::vector<T>& values) {
     return std::as_bytes(std::span<const T>(values));
@@ -38,9 +42,23 @@ Site::Site(const scene::Scene& scene) {
     relief = subject.number("relief");
 }
 
-Place placeOf(const scene::Scene& scene, const Site& /*site*/, const Place& corner) {
-    const glm::dvec3 position = render::difference(scene.camera.get<Decimal3>("position"), {});
-    Place place = corner;
+Scenery::Scenery(const gpu::Context& context) : context_(context), clipmap_(context) {}
+
+const Site& Scenery::site(const scene::Scene& scene) {
+    if (!subject_ || *subject_ != scene.subject) {
+        Site site(scene);
+        if (!corner_ || corner_->shape() != site.shape || corner_->address() != site.address)
+            corner_.emplace(site.shape, site.address);
+        site_ = std::move(site);
+        subject_ = scene.subject;
+    }
+    return *site_;
+}
+
+Place Scenery::placeOf(const scene::Scene& scene) {
+    glm::dvec3 position = render::difference(scene.camera.get<Decimal3>("position"), {});
+    position.z /= site(scene).relief;
+    Place place = *corner_;
     constexpr double kFar = 200'000.0;
     const bool there = std::abs(position.x) < kFar && std::abs(position.y) < kFar && std::abs(position.z) < kFar;
     if (!there || !place.move(position)) {
@@ -50,16 +68,8 @@ Place placeOf(const scene::Scene& scene, const Site& /*site*/, const Place& corn
     return place;
 }
 
-Scenery::Scenery(const gpu::Context& context) : context_(context), clipmap_(context) {}
-
-const Place& Scenery::corner(const Site& site) {
-    if (!corner_ || corner_->shape() != site.shape || corner_->address() != site.address)
-        corner_.emplace(site.shape, site.address);
-    return *corner_;
-}
-
-void Scenery::makeMesh(int cells, bool lines) {
-    if (meshCells_ == cells && meshLines_ == lines) return;
+void Scenery::makeMesh(int cells) {
+    if (meshCells_ == cells) return;
     std::vector<glm::ivec2> vertices;
     std::vector<std::uint16_t> indices;
     const auto at = [cells](int x, int y) { return static_cast<std::uint16_t>(y * (cells + 1) + x); };
@@ -85,14 +95,12 @@ void Scenery::makeMesh(int cells, bool lines) {
     indices_ = gpu::Buffer(context_, gpu::Buffer::Kind::Indices, bytesOf(indices), "tile mesh indices");
     indexCount_ = static_cast<int>(indices.size());
     meshCells_ = cells;
-    meshLines_ = lines;
 }
 
 void Scenery::prepare(gpu::KernelCache& kernels, gpu::Stage stage, const scene::Scene& scene, glm::ivec2 size) {
     const parameter::Node& subject = scene.subject;
-    const Site site(scene);
-    const Place& origin = corner(site);
-    const Place place = placeOf(scene, site, origin);
+    const Place place = placeOf(scene);
+    const Site& site = *site_;
     const scene::Camera camera(scene.camera);
     orthographic_ = scene.camera.text("projection") == "orthographic";
 
@@ -109,7 +117,7 @@ void Scenery::prepare(gpu::KernelCache& kernels, gpu::Stage stage, const scene::
     }
     stride_ = 1 << subject.choice("mesh");
     debug_ = subject.choice("debug");
-    makeMesh((1 << tileLevels) / stride_, false);
+    makeMesh((1 << tileLevels) / stride_);
     if (!raster_) {
         gpu::ShaderSource vertex;
         vertex.addFile("terrain/glsl/tile_vertex.glsl");
@@ -250,10 +258,56 @@ void Scenery::bind(gpu::Kernel& kernel, const scene::Scene& scene) const {
     clipmap_.bind(kernel);
 }
 
-double Scenery::clearance(const scene::Scene& scene) {
-    const Site site(scene);
-    const Place place = placeOf(scene, site, corner(site));
-    return selection_.clearance(place, site.relief, view_.octaves);
+render::Surroundings Scenery::lookAround(const scene::Scene& scene, const glm::dvec3& way) {
+    const Place start = placeOf(scene);
+    const double relief = site_->relief;
+    render::Surroundings seen;
+    seen.distance = selection_.clearance(start, relief, view_.octaves);
+    const double length = glm::length(way);
+    // Who is under ground gets out wherever they like.
+    if (length == 0.0 || seen.distance <= 0.0) return seen;
+    // From bound to bound: within each there is nothing.
+    double gone = 0.0;
+    double free = seen.distance;
+    for (int i = 0; i < 300 && gone < length; ++i) {
+        const double next = std::min(gone + 0.9 * free, length);
+        Place place = start;
+        if (!place.move(way * (next / length) / glm::dvec3(1.0, 1.0, relief))) break;
+        free = selection_.clearance(place, relief, view_.octaves);
+        if (free < kNearest * seen.distance) break;
+        gone = next;
+    }
+    seen.freePart = gone / length;
+    return seen;
+}
+
+std::optional<double> Scenery::rebase(scene::Scene& scene) {
+    Place place = placeOf(scene);
+    const double relief = site_->relief;
+    double clearance = selection_.clearance(place, relief, view_.octaves);
+    double scale = 1.0;
+    while (clearance > 0.0 && clearance < 1.0 && scale < 1e6 && place.level() < Address::kMaxLevels) {
+        place.descend();
+        clearance *= 2.0;
+        scale *= 2.0;
+    }
+    while (clearance > 4.0 && scale > 1e-6 && place.level() > view_.octaves) {
+        place.ascend();
+        clearance *= 0.5;
+        scale *= 0.5;
+    }
+    if (scale == 1.0) return std::nullopt;
+    const scene::Camera camera(scene.camera);
+    const glm::dvec3 ahead = scale * render::difference(camera.target(), camera.position());
+    const glm::dvec3 position = place.position() * glm::dvec3(1.0, 1.0, relief);
+    const auto decimals = [](const glm::dvec3& v) { return Decimal3{Decimal(v.x), Decimal(v.y), Decimal(v.z)}; };
+    scene.camera.set("position", decimals(position));
+    scene.camera.set("target", decimals(position + ahead));
+    const double focus = scene.camera.number("focus") * scale;
+    if (focus > 0.0) scene.camera.set("focus", std::min(focus, 1e6));
+    scene.subject.set("address", place.address().toString());
+    scene.subject.set("depth", std::int64_t{0});
+    return scale;
 }
 
 std::vector<std::pair<std::string, double>> Scenery::counters() const {

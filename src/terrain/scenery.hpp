@@ -1,7 +1,7 @@
 #pragma once
 
 #include "gpu/raster.hpp"
-#include "scene/scene.hpp"
+#include "render/subject.hpp"
 #include "terrain/clipmap.hpp"
 #include "terrain/tile_cache.hpp"
 
@@ -19,9 +19,6 @@ struct Site {
     double relief = 1.0;
 };
 
-/// The scene's camera as a place. @throws Error (BadInput) where it is outside the root cell or too far away.
-Place placeOf(const scene::Scene& scene, const Site& site, const Place& corner);
-
 /// Everything drawn of a terrain: tiles and the clipmap, brought up to date with a scene, and drawn into two textures
 /// of the picture's size. Needs its context current.
 class Scenery {
@@ -37,8 +34,11 @@ class Scenery {
     /// Sets the uniforms of terrain.glsl.
     void bind(gpu::Kernel& kernel, const scene::Scene& scene) const;
 
-    /// A lower bound of the distance to the ground [world].
-    double clearance(const scene::Scene& scene);
+    /// What is around the camera, by lower bounds of the distance. @param way [world]
+    render::Surroundings lookAround(const scene::Scene& scene, const glm::dvec3& way);
+
+    /// Goes to the cell, up or down, for which the camera's clearance is 1 to 4 (see render::Subject::rebase()).
+    std::optional<double> rebase(scene::Scene& scene);
 
     std::vector<std::pair<std::string, double>> counters() const;
     std::vector<std::string> notes() const;
@@ -55,15 +55,15 @@ class Scenery {
         float nearest; ///< [world]
         float farthest;
     };
-    const Place& corner(const Site& site);
-    void makeMesh(int cells, bool lines);
-    void drawGroups();
+    const Site& site(const scene::Scene& scene);
+    /// The scene's camera. @throws Error (BadInput) where it is outside the root cell or too far from its address.
+    Place placeOf(const scene::Scene& scene);
+    void makeMesh(int cells);
 
     const gpu::Context& context_;
+    std::optional<parameter::Node> subject_; ///< that the site is of
+    std::optional<Site> site_;
     std::optional<Place> corner_; ///< of the address's cell
-    std::optional<Shape> cornerShape_;
-    std::string addressText_; ///< that the corner belongs to
-    std::int64_t addressDepth_ = -1;
     Selection selection_;
     SelectionView view_;
     std::optional<TileCache> cache_;
@@ -76,7 +76,6 @@ class Scenery {
     gpu::Buffer indices_;
     gpu::Buffer instances_;
     int meshCells_ = 0;
-    bool meshLines_ = false;
     int indexCount_ = 0;
     int stride_ = 1;
     int debug_ = 0;

@@ -1,10 +1,7 @@
 #include "terrain/terrain.hpp"
 
 #include "core/error.hpp"
-#include "render/view.hpp"
 #include "terrain/scenery.hpp"
-
-#include <algorithm>
 
 namespace apeiron::terrain {
 namespace {
@@ -15,9 +12,6 @@ using parameter::Type;
 using parameter::Value;
 
 constexpr const char* kSurfaceFile = "terrain/terrain.glsl";
-
-/// A camera stops where the ground is so much nearer than at the way's beginning.
-constexpr double kNearest = 0.05;
 
 class Terrain : public render::Subject {
   public:
@@ -51,29 +45,11 @@ class Terrain : public render::Subject {
 
     std::optional<render::Surroundings> lookAround(const scene::Scene& scene, glm::vec3 way) const override {
         if (!scenery_) return std::nullopt;
-        render::Surroundings seen;
-        const double start = scenery_->clearance(scene);
-        seen.distance = start;
-        const double length = glm::length(glm::dvec3(way));
-        if (length == 0.0 || start <= 0.0) return seen;
-        // From bound to bound: within each there is nothing.
-        double t = 0.0;
-        double free = start;
-        scene::Scene there = scene;
-        for (int i = 0; i < 300 && t < length; ++i) {
-            const double next = std::min(t + 0.9 * free, length);
-            parameter::Decimal3 place = scene.camera.get<parameter::Decimal3>("position");
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                const double step = static_cast<double>(way[static_cast<int>(axis)]) * (next / length);
-                place[axis] = place[axis] + Decimal(step);
-            }
-            there.camera.set("position", place);
-            free = scenery_->clearance(there);
-            if (free < kNearest * start) break;
-            t = next;
-        }
-        seen.freePart = t / length;
-        return seen;
+        return scenery_->lookAround(scene, glm::dvec3(way));
+    }
+
+    std::optional<double> rebase(scene::Scene& scene) const override {
+        return scenery_ ? scenery_->rebase(scene) : std::nullopt;
     }
 
     std::vector<std::pair<std::string, double>> counters() const override {
