@@ -49,7 +49,9 @@ void Clipmap::update(const Place& place, double spacing, double relief) {
         Level& square = levels_[k];
         // Another square of the same points may be there already, under another number.
         if (square.level != level || square.x != x || square.y != y) {
-            square = {level, x, y, middle.window[5]};
+            // The reference depends on the square alone: rounding is then the same whichever way the camera came.
+            const Cell reference = place.cellNear(cellLevel, first.x + kBlocks / 2, first.y + kBlocks / 2);
+            square = {level, x, y, reference.window[5]};
             fill(place, k, cellLevel, first);
         }
         const double point = edge / kBlock;
@@ -60,7 +62,7 @@ void Clipmap::update(const Place& place, double spacing, double relief) {
         const auto reference =
             static_cast<std::uint64_t>(static_cast<std::uint32_t>(square.reference) << static_cast<unsigned>(step))
             << 32U;
-        const auto above = static_cast<std::int64_t>(reference - place.heightAt(level));
+        const auto above = static_cast<std::int64_t>(zero - place.heightAt(level));
         places_[k] = glm::vec4((static_cast<double>(first.x) - within.x) * edge,
                                (static_cast<double>(first.y) - within.y) * edge,
                                std::ldexp(static_cast<double>(above), -32) * unit, 1.0 / point);

@@ -207,7 +207,13 @@ Material surface_material(Hit hit, vec3 normal) {
     ground.height = (hit.position.z - terrain_zero) * color_scale;
     ground.rise = clamp(far, -1.0, 1.0);
     ground.grain = clamp(0.5 + 0.8 * near, 0.0, 1.0);
-    ground.slope = sqrt(max(1.0 - normal.z * normal.z, 0.0));
+    // Of the ground at large, with some of the detail: cover does not lie on single stones.
+    int broad = min(k + 2, terrain_clip_count - 1);
+    float s = terrain_clip_spacing(broad);
+    float h = terrain_ground(hit.position.xy, broad);
+    vec2 tilt = vec2(terrain_ground(hit.position.xy + vec2(s, 0.0), broad), terrain_ground(hit.position.xy + vec2(0.0, s), broad)) - h;
+    tilt = mix(tilt / s, -normal.xy / max(normal.z, 0.05), 0.35);
+    ground.slope = sqrt(1.0 - 1.0 / (1.0 + dot(tilt, tilt)));
     ground.octave = terrain_slope.z;
     vec4 m = ground_material(ground);
     if (debug > 0) {

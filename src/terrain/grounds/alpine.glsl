@@ -5,6 +5,6 @@ vec4 material(Ground g) {
     float meadow = smoothstep(0.62, 0.4, g.slope) * smoothstep(0.15, -0.35, g.rise);
     rock = mix(rock, vec3(0.085, 0.095, 0.04), 0.7 * meadow);
     float line = 1.4 * (subject_snow - 0.5);
-    float snow = smoothstep(0.0, 0.16, 0.3 * g.rise + line + 0.35 * (g.grain - 0.5) + 0.55 - 0.78 * g.slope);
+    float snow = smoothstep(0.0, 0.2, 0.45 * g.rise + line + 0.2 * (g.grain - 0.5) + 0.42 - 0.8 * g.slope);
     return vec4(mix(rock, vec3(0.86, 0.89, 0.94), snow), mix(0.85, 0.55, snow));
 }
