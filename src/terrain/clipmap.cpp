@@ -59,7 +59,7 @@ void Clipmap::update(const Place& place, double spacing, double relief) {
             relief * std::ldexp(1.0, static_cast<int>(exponent - heightExponent(shape_, level)) - kFractionBits);
         // The reference is a height of the cells' level.
         const int step = static_cast<int>(heightExponent(shape_, level) - heightExponent(shape_, cellLevel));
-        const auto reference =
+        const auto zero =
             static_cast<std::uint64_t>(static_cast<std::uint32_t>(square.reference) << static_cast<unsigned>(step))
             << 32U;
         const auto above = static_cast<std::int64_t>(zero - place.heightAt(level));

@@ -81,7 +81,9 @@ TEST(TerrainPicture, is_the_same_after_a_journey_there_and_back) {
     finish(session);
     session.setScene(start);
     finish(session);
-    EXPECT_TRUE(identical(before, session.picture()));
+    // Tiles lie elsewhere in the cache now: weights of interpolated slopes are rounded differently, less than what
+    // 8 bits show.
+    EXPECT_LT(largestDifference(before, session.picture()), 1.0 / 255.0);
 }
 
 TEST(TerrainPicture, looks_alike_at_any_depth) {
