@@ -22,6 +22,9 @@ constexpr auto kFloat4 = gpu::PixelFormat::RGBA32F;
 constexpr float kShareAtFirst = 0.7F;
 constexpr std::int64_t kFadingSamples = 8;
 
+/// Part of a step's budget that work is planned for: what the rest of the machine does meanwhile must fit in as well.
+constexpr double kPlanned = 0.9;
+
 /// Pixels are left out only when they have so many samples: of fewer, the variance is not known well enough.
 constexpr std::int64_t kLeastSamples = 16;
 
@@ -115,7 +118,8 @@ void Session::apply(parameter::Invalidates what, bool sizeChanged) {
             displayTargets_ = gpu::Targets(context_, {texture.get()});
             displayTexture_ = std::move(texture);
             picture_ = std::move(picture);
-            before_.reset();
+            // Made now, as the first move of a camera should not wait for it.
+            before_ = options_.reproject ? std::make_unique<render::Picture>(context_, size, true) : nullptr;
         }
     }
     if (subject) {
@@ -209,7 +213,6 @@ void Session::keepPicture() {
     // As long as nothing new was computed, the older picture is the better one.
     if (samples_ == 0 && block_ == 0 && cursor_.taken() == 0) return;
     present();
-    if (!before_) before_ = std::make_unique<render::Picture>(context_, size(), true);
     std::swap(picture_, before_);
     cameraBefore_ = camera();
     viewBefore_ = std::make_unique<render::View>(scene_, size());
@@ -346,6 +349,7 @@ StepResult Session::step(double budget) {
     const Stopwatch watch;
     StepResult result;
     bool mustWork = true;
+    budget *= kPlanned;
     if (subject_->update(scene_, 0.25 * budget)) {
         renderer_->setScene(scene_, render::View(scene_, size()), *subject_);
         reset();
@@ -380,7 +384,6 @@ double Session::noise() {
 
 void Session::present() {
     if (!stale_) return;
-    const Phases::Scope scope(statistics_.phases, "present");
     render::Progress progress;
     if (samples_ == 0 || single_) {
         progress.blocks = block_;
@@ -397,7 +400,7 @@ void Session::present() {
                                 : kShareAtFirst * (1.0F - static_cast<float>(samples_) / static_cast<float>(fading));
         history.emplace(render::History{*before_, *viewBefore_, offset, share});
     }
-    renderer_->present(*picture_, interleave_, progress, history ? &*history : nullptr);
+    timed("present", [&] { renderer_->present(*picture_, interleave_, progress, history ? &*history : nullptr); });
     stale_ = false;
 }
 
