@@ -102,6 +102,7 @@ int run(int argc, char** argv) {
     addSchemaCommand(app, action);
     addMergeCommand(app, action);
     addBenchCommand(app, action);
+    addTerrainCommand(app, action);
     requireKnownCommand(app, argc, argv);
     try {
         app.parse(argc, argv);
