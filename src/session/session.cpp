@@ -22,6 +22,9 @@ constexpr auto kFloat4 = gpu::PixelFormat::RGBA32F;
 constexpr float kShareAtFirst = 0.7F;
 constexpr std::int64_t kFadingSamples = 8;
 
+/// Part of a step's budget that work is planned for: what the rest of the machine does meanwhile must fit in as well.
+constexpr double kPlanned = 0.9;
+
 /// Pixels are left out only when they have so many samples: of fewer, the variance is not known well enough.
 constexpr std::int64_t kLeastSamples = 16;
 
@@ -115,7 +118,8 @@ void Session::apply(parameter::Invalidates what, bool sizeChanged) {
             displayTargets_ = gpu::Targets(context_, {texture.get()});
             displayTexture_ = std::move(texture);
             picture_ = std::move(picture);
-            before_.reset();
+            // Made now, as the first move of a camera should not wait for it.
+            before_ = options_.reproject ? std::make_unique<render::Picture>(context_, size, true) : nullptr;
         }
     }
     if (subject) {
@@ -209,7 +213,6 @@ void Session::keepPicture() {
     // As long as nothing new was computed, the older picture is the better one.
     if (samples_ == 0 && block_ == 0 && cursor_.taken() == 0) return;
     present();
-    if (!before_) before_ = std::make_unique<render::Picture>(context_, size(), true);
     std::swap(picture_, before_);
     cameraBefore_ = camera();
     viewBefore_ = std::make_unique<render::View>(scene_, size());
@@ -227,7 +230,7 @@ void Session::restart(bool keep) {
     if (keep && cameraBefore_) {
         // Other pixels than those of the last time: a journey of short steps must renew all of them.
         if (samples_ == 0 && interleave_.factor() == factor) first = interleave_.first() + block_;
-        if (samples_ == 0 && !cursor_.done()) row = cursor_.row();
+        if (samples_ == 0 && !cursor_.done()) row = cursor_.fresh();
         moved_ = true;
     } else {
         cameraBefore_.reset();
@@ -241,6 +244,7 @@ void Session::restart(bool keep) {
     cursor_ = render::TileCursor(interleave_.block(size()), row);
     block_ = 0;
     pending_ = false;
+    single_ = false;
     samples_ = 0;
     seconds_ = 0.0;
     noiseCheck_ = 8;
@@ -280,16 +284,27 @@ double Session::timed(const char* phase, const std::function<void()>& work) {
     return watch.seconds();
 }
 
+void Session::integrate() {
+    integrateSeconds_ = timed("integrate", [this] { renderer_->integrate(interleave_); });
+    single_ = false;
+    // Sub-images serve the first picture; whole pictures are faster afterwards.
+    interleave_ = render::Interleave(1);
+    block_ = 0;
+    cursor_ = render::TileCursor(interleave_.block(size()));
+}
+
 bool Session::advance(double remaining, bool mustWork) {
-    if (pending_) {
-        if (!mustWork && remaining < 1.5 * integrateSeconds_) return false;
-        integrateSeconds_ = timed("integrate", [this] { renderer_->integrate(interleave_); });
+    if (pending_ || single_) {
+        // A sample that is to be the only one is shown as it is.
+        const bool only = pending_ && samples_ == 0 && scene_.output.integer("samples") == 1;
+        if (!only && !mustWork && remaining < 1.5 * integrateSeconds_) return false;
+        if (pending_) ++samples_;
+        if (only) {
+            single_ = true;
+        } else {
+            integrate();
+        }
         pending_ = false;
-        ++samples_;
-        // Sub-images serve the first picture; whole pictures are faster afterwards.
-        if (samples_ == 1) interleave_ = render::Interleave(1);
-        block_ = 0;
-        cursor_ = render::TileCursor(interleave_.block(size()));
         stale_ = true;
         return true;
     }
@@ -334,6 +349,7 @@ StepResult Session::step(double budget) {
     const Stopwatch watch;
     StepResult result;
     bool mustWork = true;
+    budget *= kPlanned;
     if (subject_->update(scene_, 0.25 * budget)) {
         renderer_->setScene(scene_, render::View(scene_, size()), *subject_);
         reset();
@@ -362,15 +378,14 @@ double Session::progress() const {
     return std::min((block_ + (block_ < interleave_.count() ? inBlock : 0.0)) / blocks, 1.0);
 }
 
-double Session::noise() const {
+double Session::noise() {
     return accumulation().noise();
 }
 
 void Session::present() {
     if (!stale_) return;
-    const Phases::Scope scope(statistics_.phases, "present");
     render::Progress progress;
-    if (samples_ == 0) {
+    if (samples_ == 0 || single_) {
         progress.blocks = block_;
         progress.band = {cursor_.first() * interleave_.block(size()).x, static_cast<int>(cursor_.taken())};
         if (block_ == interleave_.count()) progress.band = {0, 0};
@@ -385,7 +400,7 @@ void Session::present() {
                                 : kShareAtFirst * (1.0F - static_cast<float>(samples_) / static_cast<float>(fading));
         history.emplace(render::History{*before_, *viewBefore_, offset, share});
     }
-    renderer_->present(*picture_, interleave_, progress, history ? &*history : nullptr);
+    timed("present", [&] { renderer_->present(*picture_, interleave_, progress, history ? &*history : nullptr); });
     stale_ = false;
 }
 
@@ -417,7 +432,8 @@ Session::Layers Session::layers() {
     return {picture_->radiance.download(), picture_->geometry.download(), picture_->albedo.download()};
 }
 
-render::Accumulation Session::accumulation() const {
+render::Accumulation Session::accumulation() {
+    if (single_) integrate();
     return renderer_->accumulation();
 }
 
