@@ -43,17 +43,33 @@ void Governor::restart() {
     *this = Governor();
 }
 
+int TileCursor::fresh() const {
+    const std::int64_t band = static_cast<std::int64_t>(size_.x) * kBand;
+    const std::int64_t begun = (index() + band - 1) / band * kBand;
+    return begun < size_.y ? static_cast<int>(begun) : 0;
+}
+
 gpu::Region TileCursor::take(std::int64_t texels) {
     assert(!done() && texels >= 1);
-    const int y = row();
-    const int x = static_cast<int>(next_ % size_.x);
-    gpu::Region region{{x, y}, {0, 1}};
-    if (x == 0 && texels >= size_.x) {
-        // Not beyond the last row, nor into those that were the first.
-        const std::int64_t rows = std::min<std::int64_t>(size_.y - y, left() / size_.x);
-        region.size = {size_.x, static_cast<int>(std::min<std::int64_t>(texels / size_.x, rows))};
+    const std::int64_t width = size_.x;
+    const int top = static_cast<int>(index() / (width * kBand)) * kBand;
+    const std::int64_t rows = std::min(kBand, size_.y - top);
+    const std::int64_t inside = index() - top * width;
+    const auto x = static_cast<int>(inside / rows);
+    const auto y = static_cast<int>(inside % rows);
+    gpu::Region region{{x, top + y}, {1, 1}};
+    if (y > 0 || texels < rows) {
+        region.size.y = static_cast<int>(std::min(texels, rows - y));
+    } else if (x > 0 || texels < width * rows) {
+        std::int64_t columns = std::min(texels / rows, width - x);
+        if (columns > kBand && x + columns < width) columns = columns / kBand * kBand;
+        region.size = {static_cast<int>(columns), static_cast<int>(rows)};
     } else {
-        region.size.x = static_cast<int>(std::min<std::int64_t>(texels, size_.x - x));
+        // Not beyond the last row, nor into those that were the first.
+        const std::int64_t most = std::min<std::int64_t>(size_.y - top, left() / width);
+        std::int64_t whole = std::min(texels / width, most);
+        if (whole < most) whole = whole / kBand * kBand;
+        region.size = {size_.x, static_cast<int>(whole)};
     }
     next_ += static_cast<std::int64_t>(region.size.x) * region.size.y;
     return region;

@@ -33,22 +33,28 @@ class Governor {
     std::int64_t limit_ = kFirstPixels;
 };
 
-/// Hands out a picture's texels in order, in rectangles of at most a given number.
+/// Hands out a picture's texels in rectangles of at most a given number: band by band, and within a band column by
+/// column. Small rectangles are compact that way, and begin and end where a rasteriser's blocks do: a strip of few rows
+/// is computed in blocks, too.
 class TileCursor {
   public:
-    /// @param first row to begin with; the rows before it come last
-    explicit TileCursor(glm::ivec2 size, int first = 0) : size_(size), first_(first % size.y) {}
+    static constexpr int kBand = 8; ///< rows of a band; the last one may have fewer
+
+    /// @param first the band of this row comes first; those before it come last
+    explicit TileCursor(glm::ivec2 size, int first = 0) : size_(size), first_(first % size.y / kBand * kBand) {}
     bool done() const { return next_ >= total(); }
     std::int64_t taken() const { return next_; }
     std::int64_t left() const { return total() - next_; }
-    /// The row that the next rectangle is in or begins with, cyclically.
-    int row() const { return static_cast<int>((first_ + next_ / size_.x) % size_.y); }
-    int first() const { return first_; }
-    /// The next rectangle of at most `texels`: whole rows when they fit, else part of one. @pre !done(), texels >= 1
+    int first() const { return first_; } ///< row
+    /// The first row, cyclically, of the bands that nothing was taken from.
+    int fresh() const;
+    /// The next rectangle of at most `texels`: whole bands when they fit, else part of one. @pre !done(), texels >= 1
     gpu::Region take(std::int64_t texels);
 
   private:
     std::int64_t total() const { return static_cast<std::int64_t>(size_.x) * size_.y; }
+    /// The index of the next texel, counted from row 0.
+    std::int64_t index() const { return (static_cast<std::int64_t>(first_) * size_.x + next_) % total(); }
     glm::ivec2 size_;
     int first_;
     std::int64_t next_ = 0;

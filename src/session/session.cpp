@@ -241,7 +241,7 @@ void Session::restart(bool keep) {
     if (keep && cameraBefore_) {
         // Other pixels than those of the last time: a journey of short steps must renew all of them.
         if (samples_ == 0 && interleave_.factor() == factor) first = interleave_.first() + block_;
-        if (samples_ == 0 && !cursor_.done()) row = cursor_.row();
+        if (samples_ == 0 && !cursor_.done()) row = cursor_.fresh();
         moved_ = true;
     } else {
         cameraBefore_.reset();
@@ -255,6 +255,7 @@ void Session::restart(bool keep) {
     cursor_ = render::TileCursor(interleave_.block(size()), row);
     block_ = 0;
     pending_ = false;
+    single_ = false;
     samples_ = 0;
     seconds_ = 0.0;
     noiseCheck_ = 8;
@@ -294,16 +295,27 @@ double Session::timed(const char* phase, const std::function<void()>& work) {
     return watch.seconds();
 }
 
+void Session::integrate() {
+    integrateSeconds_ = timed("integrate", [this] { renderer_->integrate(interleave_); });
+    single_ = false;
+    // Sub-images serve the first picture; whole pictures are faster afterwards.
+    interleave_ = render::Interleave(1);
+    block_ = 0;
+    cursor_ = render::TileCursor(interleave_.block(size()));
+}
+
 bool Session::advance(double remaining, bool mustWork) {
-    if (pending_) {
-        if (!mustWork && remaining < 1.5 * integrateSeconds_) return false;
-        integrateSeconds_ = timed("integrate", [this] { renderer_->integrate(interleave_); });
+    if (pending_ || single_) {
+        // A sample that is to be the only one is shown as it is.
+        const bool only = pending_ && samples_ == 0 && scene_.output.integer("samples") == 1;
+        if (!only && !mustWork && remaining < 1.5 * integrateSeconds_) return false;
+        if (pending_) ++samples_;
+        if (only) {
+            single_ = true;
+        } else {
+            integrate();
+        }
         pending_ = false;
-        ++samples_;
-        // Sub-images serve the first picture; whole pictures are faster afterwards.
-        if (samples_ == 1) interleave_ = render::Interleave(1);
-        block_ = 0;
-        cursor_ = render::TileCursor(interleave_.block(size()));
         stale_ = true;
         return true;
     }
@@ -376,7 +388,7 @@ double Session::progress() const {
     return std::min((block_ + (block_ < interleave_.count() ? inBlock : 0.0)) / blocks, 1.0);
 }
 
-double Session::noise() const {
+double Session::noise() {
     return accumulation().noise();
 }
 
@@ -384,7 +396,7 @@ void Session::present() {
     if (!stale_) return;
     const Phases::Scope scope(statistics_.phases, "present");
     render::Progress progress;
-    if (samples_ == 0) {
+    if (samples_ == 0 || single_) {
         progress.blocks = block_;
         progress.band = {cursor_.first() * interleave_.block(size()).x, static_cast<int>(cursor_.taken())};
         if (block_ == interleave_.count()) progress.band = {0, 0};
@@ -431,7 +443,8 @@ Session::Layers Session::layers() {
     return {picture_->radiance.download(), picture_->geometry.download(), picture_->albedo.download()};
 }
 
-render::Accumulation Session::accumulation() const {
+render::Accumulation Session::accumulation() {
+    if (single_) integrate();
     return renderer_->accumulation();
 }
 

@@ -99,7 +99,7 @@ class Session {
     /// Part of the sample in progress that is done, 0..1.
     double progress() const;
     /// render::Accumulation::noise() of now. Reads the accumulators back.
-    double noise() const;
+    double noise();
 
     /// The finished picture, display-encoded: RGBA in [0, 1], rows from the top.
     /// @param dither one step of the output (1/255 for 8 bits), or 0
@@ -117,7 +117,7 @@ class Session {
     Layers layers();
 
     /// All samples so far, for saving and merging.
-    render::Accumulation accumulation() const;
+    render::Accumulation accumulation();
 
     /// Distance along the camera ray to what is seen at a pixel [world units]; nothing where it is background.
     std::optional<double> distanceAt(glm::ivec2 pixel);
@@ -149,6 +149,8 @@ class Session {
     void restart(bool keep);
     /// Keeps the present picture for after a move of the camera.
     void keepPicture();
+    /// Folds the complete sample into the accumulators, and begins the next.
+    void integrate();
     bool advance(double remaining, bool mustWork);
     /// Runs GPU work to its end and books its time under a phase; returns the wall time [s].
     double timed(const char* phase, const std::function<void()>& work);
@@ -180,6 +182,7 @@ class Session {
     render::TileCursor cursor_;
     int block_ = 0;        ///< sub-images of the sample in progress that are complete
     bool pending_ = false; ///< the sample in progress is computed but not integrated
+    bool single_ = false;  ///< the first sample is complete and counted, but not integrated: it was to be the only one
     double integrateSeconds_ = 0.0;
     std::int64_t samples_ = 0;
     double seconds_ = 0.0;                                       ///< spent in step() since the last reset

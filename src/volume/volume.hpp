@@ -18,18 +18,19 @@ enum class Modality { Unknown, Ct, Mri, Microscopy, Simulation };
 
 /// A grid of measured values in memory, of one or more channels and points of time.
 struct Volume {
-    glm::ivec3 size{0};                  ///< voxels along x, y, z
-    int channels = 1;                    ///< 1 to 4
+    glm::ivec3 size{0}; ///< voxels along x, y, z
+    int channels = 1;   ///< 1 to 4
     int timePoints = 1;
     VoxelType type = VoxelType::UInt8;
-    double slope = 1;                    ///< value = slope * stored + intercept
+    double slope = 1; ///< value = slope * stored + intercept
     double intercept = 0;
-    glm::dmat4 indexToWorld{1};          ///< centre of voxel (i, j, k) -> world [mm]; any affine map, oblique and mirrored too
+    glm::dmat4 indexToWorld{1}; ///< centre of voxel (i, j, k) -> world [mm]; any affine map, oblique and mirrored too
     Modality modality = Modality::Unknown;
-    std::string unit;                    ///< of a value, "HU" for example; empty: unknown
-    std::string name;                    ///< for messages: the file or generator it came from
+    std::string unit; ///< of a value, "HU" for example; empty: unknown
+    std::string name; ///< for messages: the file or generator it came from
     std::vector<std::string> channelNames;
-    std::vector<std::string> messages;   ///< what was done to the data on reading (resampled, sheared, ...), one sentence each
+    std::vector<std::string>
+        messages; ///< what was done to the data on reading (resampled, sheared, ...), one sentence each
     /// x fastest, then y, z, channel, time; native byte order. size.x * size.y * size.z * channels * timePoints voxels.
     std::vector<std::byte> voxels;
 };

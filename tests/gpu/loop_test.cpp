@@ -45,20 +45,35 @@ TEST(TileCursor, hands_out_every_texel_exactly_once) {
     }
 }
 
-TEST(TileCursor, gives_whole_rows_where_they_fit) {
-    TileCursor cursor({10, 10});
-    EXPECT_EQ(cursor.take(25).size, glm::ivec2(10, 2));
-    EXPECT_EQ(cursor.take(7).size, glm::ivec2(7, 1));
-    EXPECT_EQ(cursor.take(1000).size, glm::ivec2(3, 1)) << "the rest of a begun row";
-    EXPECT_EQ(cursor.take(1000).size, glm::ivec2(10, 7)) << "all that is left";
+TEST(TileCursor, goes_band_by_band_and_column_by_column_within) {
+    constexpr int kBand = TileCursor::kBand;
+    TileCursor cursor({10, 3 * kBand + 1});
+    EXPECT_EQ(cursor.take(3 * kBand + 1).size, glm::ivec2(3, kBand));
+    EXPECT_EQ(cursor.take(3).size, glm::ivec2(1, 3)) << "part of a column";
+    EXPECT_EQ(cursor.take(1000).size, glm::ivec2(1, kBand - 3)) << "the rest of a begun column";
+    EXPECT_EQ(cursor.take(1000).size, glm::ivec2(6, kBand)) << "the rest of a begun band";
+    EXPECT_EQ(cursor.take(10 * (2 * kBand - 1)).size, glm::ivec2(10, kBand)) << "whole bands";
+    EXPECT_EQ(cursor.take(1000).size, glm::ivec2(10, kBand + 1)) << "all that is left, the low last band too";
     EXPECT_TRUE(cursor.done());
+}
+
+TEST(TileCursor, begins_anew_behind_the_bands_that_are_begun) {
+    constexpr int kBand = TileCursor::kBand;
+    TileCursor cursor({10, 3 * kBand});
+    EXPECT_EQ(cursor.fresh(), 0);
+    cursor.take(1);
+    EXPECT_EQ(cursor.fresh(), kBand);
+    cursor.take(1000);
+    EXPECT_EQ(cursor.fresh(), kBand) << "the band that is just complete";
+    cursor.take(20 * kBand - 1);
+    EXPECT_EQ(TileCursor({10, 3 * kBand}, 2 * kBand + 3).fresh(), 2 * kBand) << "cyclically";
 }
 
 TEST(TileCursor, begins_at_any_row_and_still_hands_out_all) {
     for (const int first : {0, 3, 9}) {
         std::vector<int> times(70);
         TileCursor cursor({7, 10}, first);
-        EXPECT_EQ(cursor.row(), first);
+        EXPECT_EQ(cursor.first(), first / TileCursor::kBand * TileCursor::kBand);
         std::int64_t taken = 0;
         while (!cursor.done()) {
             const gpu::Region region = cursor.take(17);

@@ -151,16 +151,44 @@ float surface_visibility(Hit hit, vec3 normal, vec3 direction, float t_max, floa
     return visible * visible * (3.0 - 2.0 * visible);
 }
 
-bool surface_blocked(Hit hit, vec3 normal, vec3 direction, float t_max) {
-    Ray ray = Ray(surface_leave(hit, normal), direction, 0.0, t_max, hit.footprint, 0.0);
-    if (!distance_clip(ray)) return false;
-    float t = ray.t_min + hit.footprint;
-    for (int i = 0; i < shadow_steps && t < ray.t_max; ++i) {
-        float d = distance_estimate(ray.origin + t * direction);
-        if (d < 0.5 * hit.footprint) return true;
-        t += d * step_scale;
+March surface_march(Hit hit, vec3 normal) {
+    return March(surface_leave(hit, normal), vec3(0.0), 0.0, 0.0, hit.footprint, 0.0, 0.0, 0);
+}
+
+void surface_march_to(inout March march, vec3 direction, float t_max) {
+    Ray ray = Ray(march.origin, direction, 0.0, t_max, 0.0, 0.0);
+    march.steps = distance_clip(ray) ? shadow_steps : 0;
+    march.direction = direction;
+    march.t = ray.t_min + march.threshold;
+    march.t_max = ray.t_max;
+    march.stride = 0.0;
+}
+
+// Over-relaxed as surface_trace() is, and more: what is asked for is not where the surface is but whether there is any, so that
+// nothing is lost by coming close with a long stride. Who runs out of steps is not blocked.
+int surface_march_on(inout March march) {
+    if (march.steps <= 0 || march.t >= march.t_max) return march_free;
+    --march.steps;
+    float d = distance_estimate(march.origin + march.t * march.direction);
+    float radius = max(d * step_scale, 0.0);
+    if (march.stride > march.reach + radius) {
+        march.t += march.reach - march.stride;
+        march.stride = march.reach;
+        return march_on;
     }
-    return false;
+    if (d < 0.5 * march.threshold) return march_blocked;
+    march.reach = radius;
+    march.stride = (2.0 * relaxation - 1.0) * radius;
+    march.t += march.stride;
+    return march_on;
+}
+
+bool surface_blocked(Hit hit, vec3 normal, vec3 direction, float t_max) {
+    March march = surface_march(hit, normal);
+    surface_march_to(march, direction, t_max);
+    int state = march_on;
+    while (state == march_on) state = surface_march_on(march);
+    return state == march_blocked;
 }
 
 // Compares estimates along the normal with the distances gone (Evans 2006; Quilez 2008).

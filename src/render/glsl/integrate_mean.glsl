@@ -9,10 +9,17 @@ void kernel_main(ivec2 pixel, out vec4 mean, out vec4 spread, out vec4 normal, o
     vec4 radiance = texelFetch(estimate_radiance, texel, 0);
     vec4 geometry = texelFetch(estimate_geometry, texel, 0);
     vec4 color = texelFetch(estimate_albedo, texel, 0);
-    mean = accumulator_empty ? vec4(0.0) : texelFetch(accumulator_mean, pixel, 0);
-    spread = accumulator_empty ? vec4(0.0) : texelFetch(accumulator_spread, pixel, 0);
-    normal = accumulator_empty ? vec4(0.0) : texelFetch(accumulator_normal, pixel, 0);
-    albedo = accumulator_empty ? vec4(0.0) : texelFetch(accumulator_albedo, pixel, 0);
+    mean = vec4(0.0);
+    spread = vec4(0.0);
+    normal = vec4(0.0);
+    albedo = vec4(0.0);
+    // A loop of at most one turn: rasterisers on the CPU skip an empty loop, but not an `if`.
+    for (int i = accumulator_empty ? 1 : 0; i < 1; ++i) {
+        mean = texelFetch(accumulator_mean, pixel, 0);
+        spread = texelFetch(accumulator_spread, pixel, 0);
+        normal = texelFetch(accumulator_normal, pixel, 0);
+        albedo = texelFetch(accumulator_albedo, pixel, 0);
+    }
     if (radiance.w < 0.0) return; // this pixel needed no other sample
     float count = mean.w + 1.0;
     vec3 before = radiance.rgb - mean.rgb;

@@ -39,7 +39,24 @@ Material surface_material(Hit hit, vec3 normal);
 // Part of a light that reaches `position`: 0..1 within a cone of the light's half-angle (tangent `spread`; 0: a hard edge).
 float surface_visibility(Hit hit, vec3 normal, vec3 direction, float t_max, float spread);
 
-// Whether anything is in the way: exact, for sampled light.
+// Whether anything is in the way: exact, for sampled light. A march can be made step by step, so that pixels that are computed
+// side by side need not wait for each other at the end of every ray (Aila & Laine 2009, "persistent threads").
+struct March {
+    vec3 origin;
+    vec3 direction;
+    float t;
+    float t_max;
+    float threshold; // as near is a hit
+    float reach;     // how far around the point before there is nothing
+    float stride;    // from there to here
+    int steps;       // that are left
+};
+const int march_on = 0;
+const int march_blocked = 1;
+const int march_free = 2;
+March surface_march(Hit hit, vec3 normal);                               // from there; then, for each direction,
+void surface_march_to(inout March march, vec3 direction, float t_max);   // begin
+int surface_march_on(inout March march);                                 // and go on until it is blocked or free
 bool surface_blocked(Hit hit, vec3 normal, vec3 direction, float t_max);
 
 // Where rays that leave the surface start.

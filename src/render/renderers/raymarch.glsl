@@ -29,9 +29,8 @@ vec3 lit(ivec2 pixel, Hit hit, Material m, vec3 n, vec3 v) {
         vec3 l = light.direction;
         vec3 f = brdf_value(brdf, m, n, v, l) * light.irradiance;
         if (max(f.r, max(f.g, f.b)) <= 0.0) continue;
-        if (shadow == 1) f *= surface_visibility(hit, n, l, light.distance, 0.0);
         if (shadow == 2) f *= surface_visibility(hit, n, l, light.distance, light.spread);
-        if (shadow == 3 && surface_blocked(hit, n, l, light.distance)) f = vec3(0.0);
+        if ((shadow == 1 || shadow == 3) && surface_blocked(hit, n, l, light.distance)) f = vec3(0.0);
         sum += f;
     }
     if (sky_light <= 0.0) return sum;
@@ -41,19 +40,32 @@ vec3 lit(ivec2 pixel, Hit hit, Material m, vec3 n, vec3 v) {
     vec3 mirror = reflect(-v, n);
     vec3 towards = normalize(mix(mirror, n, m.roughness * m.roughness));
     if (ambient_occlusion == 2) {
+        // Directions in proportion to the cosine, so that the mean of their radiance is the irradiance over pi: the normal and a
+        // point of the unit sphere. Those are a rank-1 lattice by the golden ratio, shifted by the sample's pair of random
+        // numbers (Cranley & Patterson 1976): heights in order, each a golden angle around from the one before.
         vec2 u = random_pair(pixel, 1u);
+        vec2 turn = vec2(cos(6.283185307 * u.y), sin(6.283185307 * u.y));
         vec3 sky = vec3(0.0);
         int open_rays = 0;
-        for (int i = 0; i < occlusion_rays; ++i) {
-            // A rank-1 lattice by the golden ratio, shifted by the sample's number (Cranley & Patterson 1976).
-            vec2 w = fract(u + vec2(float(i) / float(occlusion_rays), 0.618033989 * float(i)));
-            // Directions in proportion to the cosine: the mean of their radiance is the irradiance over pi.
-            float z = 2.0 * w.x - 1.0;
-            float r = sqrt(max(1.0 - z * z, 0.0));
-            vec3 l = normalize(n * 1.0001 + vec3(r * cos(6.283185307 * w.y), r * sin(6.283185307 * w.y), z));
-            if (surface_blocked(hit, n, l, 1e30)) continue;
-            sky += environment_at(l);
-            ++open_rays;
+        // All rays in one loop: a pixel goes on to its next ray while its neighbours are still busy with theirs.
+        March march = surface_march(hit, n);
+        int state = march_on;
+        int begun = 0;
+        for (bool more = true; more;) {
+            // A loop of at most one turn: rasterisers on the CPU skip an empty loop, but not an `if`.
+            for (int next = begun == 0 || state != march_on ? 1 : 0; next > 0; --next) {
+                if (state == march_free) {
+                    sky += environment_at(march.direction);
+                    ++open_rays;
+                }
+                more = begun < occlusion_rays;
+                float z = 2.0 * fract(u.x + float(begun) / float(occlusion_rays)) - 1.0;
+                vec3 l = n * 1.0001 + vec3(sqrt(max(1.0 - z * z, 0.0)) * turn, z);
+                surface_march_to(march, normalize(l), 1e30);
+                turn = vec2(-0.737368878 * turn.x + 0.675490294 * turn.y, -0.675490294 * turn.x - 0.737368878 * turn.y);
+                ++begun;
+            }
+            state = surface_march_on(march);
         }
         float rays = float(occlusion_rays);
         return sum + sky_light * (diffuse * sky / rays + gloss * environment_at(towards) * (float(open_rays) / rays));

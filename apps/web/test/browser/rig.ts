@@ -169,6 +169,18 @@ export function flatness({ width, height, data }: Picture): number {
     return flat / ((width - 1) * height);
 }
 
+/** The picture as it would be with one value for each block of `side` pixels squared. */
+export function inBlocks({ width, height, data }: Picture, side: number): Picture {
+    const blocks = data.slice();
+    for (let y = 0; y < height; y++) {
+        for (let x = 0; x < width; x++) {
+            const from = 4 * ((y - (y % side)) * width + x - (x % side));
+            for (let c = 0; c < 4; c++) blocks[4 * (y * width + x) + c] = data[from + c]!;
+        }
+    }
+    return { width, height, data: blocks };
+}
+
 /** Mean of all channels [1/255]. */
 export function brightness({ data }: Picture): number {
     let sum = 0;
