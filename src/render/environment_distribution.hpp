@@ -22,6 +22,7 @@ class EnvironmentDistribution {
     gpu::Texture power_;
     gpu::Targets powerTargets_;
     gpu::Texture table_;
+    float peak_ = 1.0F; ///< of the probability, relative to a uniform distribution's
     std::shared_ptr<gpu::Kernel> kernel_;
 };
 
