@@ -22,6 +22,7 @@ struct BuildOptions {
 struct Bounds {
     glm::dvec3 center{0.0};
     double radius = 0.0;
+    glm::dvec3 front{0.0}; ///< direction from which it is best seen at first; 0: from anywhere
 };
 
 /// What a scene shows: it gives GLSL for one or more interfaces (`surface`, `medium`, `field`, later `raster`) and the

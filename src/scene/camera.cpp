@@ -157,9 +157,9 @@ void Camera::focusOn(double distance, glm::dvec2 place, double aspect) {
     node_.set("focus", std::min(depth, declared.maximum.value()));
 }
 
-void Camera::frame(const glm::dvec3& center, double radius, double aspect) {
+void Camera::frame(const glm::dvec3& center, double radius, double aspect, const glm::dvec3& front) {
     assert(radius > 0);
-    const glm::dvec3 back = -forward();
+    const glm::dvec3 back = front == glm::dvec3(0.0) ? -forward() : normalized(front);
     const double half = std::min(fov() / 2, std::atan(std::tan(fov() / 2) * aspect));
     // A little air around it.
     const double distance = std::clamp(1.02 * radius / std::sin(half), kSmallestDistance, kLargestDistance);

@@ -92,7 +92,7 @@ void Session::frame(const render::Subject& subject, glm::ivec2 size) {
     if (!bounds || bounds->radius <= 0.0) return;
     if (scene_.camera != scene::Scene(scene_.sharedCatalogue()).camera) return;
     scene::Camera camera(scene_.camera);
-    camera.frame(bounds->center, bounds->radius, static_cast<double>(size.x) / size.y);
+    camera.frame(bounds->center, bounds->radius, static_cast<double>(size.x) / size.y, bounds->front);
     scene_.camera = camera.node();
 }
 

@@ -1,6 +1,6 @@
 #include "volume/grid.hpp"
 
-#include "core/error.hpp"
+#include "volume/voxels.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,47 +12,13 @@
 namespace apeiron::volume {
 namespace {
 
-/// A number of that type at any address.
-template <class T> T load(const std::byte* from) {
-    T value{};
-    std::memcpy(&value, from, sizeof value);
-    return value;
-}
-
-/// IEEE 754 binary16. What is no finite number becomes 0.
-float halfToFloat(std::uint16_t half) {
-    const int exponent = (half >> 10) & 31;
-    const int mantissa = half & 1023;
-    if (exponent == 31) return 0.0F;
-    const float size = exponent == 0 ? std::ldexp(static_cast<float>(mantissa), -24)
-                                     : std::ldexp(static_cast<float>(mantissa + 1024), exponent - 25);
-    return (half & 0x8000) != 0 ? -size : size;
-}
-
-/// The nearest half float of a whole number that is one.
-std::uint16_t wholeToHalf(float value) {
-    if (value == 0.0F) return 0;
-    int exponent = 0;
-    const float mantissa = std::frexp(std::abs(value), &exponent); // in [0.5, 1)
-    const auto bits = static_cast<std::uint16_t>(std::lround(std::ldexp(mantissa, 11)) & 1023);
-    return static_cast<std::uint16_t>((value < 0.0F ? 0x8000 : 0) | ((exponent + 14) << 10) | bits);
-}
-
-template <class T> void convert(const std::byte* from, std::size_t count, std::span<float> out, std::size_t stride) {
-    for (std::size_t i = 0; i < count; ++i)
-        out[i * stride] = static_cast<float>(load<T>(from + i * sizeof(T)));
-}
-
 std::size_t sliceVoxels(const Volume& volume) {
     return static_cast<std::size_t>(volume.size.x) * static_cast<std::size_t>(volume.size.y);
 }
 
-const std::byte* slice(const Volume& volume, int time, int channel, int z) {
-    const auto channels = static_cast<std::size_t>(volume.channels);
-    const auto depth = static_cast<std::size_t>(volume.size.z);
-    const std::size_t index = (static_cast<std::size_t>(time) * channels + static_cast<std::size_t>(channel)) * depth +
-                              static_cast<std::size_t>(z);
-    return volume.voxels.data() + index * sliceVoxels(volume) * bytesPerVoxel(volume.type);
+/// The first voxel of a slice, counted in voxels.
+std::size_t sliceOffset(const Volume& volume, int time, int channel, int z) {
+    return channelOffset(volume, channel, time) + static_cast<std::size_t>(z) * sliceVoxels(volume);
 }
 
 bool isByte(VoxelType type) {
@@ -149,29 +115,14 @@ void markFree(std::vector<float>& bricks, glm::ivec3 size) {
 } // namespace
 
 void readSlice(const Volume& volume, int time, int channel, int z, std::span<float> out, std::size_t stride) {
-    const std::byte* from = slice(volume, time, channel, z);
     const std::size_t count = sliceVoxels(volume);
     assert(out.size() >= (count - 1) * stride + 1);
-    switch (volume.type) {
-    case VoxelType::UInt8:
-        return convert<std::uint8_t>(from, count, out, stride);
-    case VoxelType::Int8:
-        return convert<std::int8_t>(from, count, out, stride);
-    case VoxelType::UInt16:
-        return convert<std::uint16_t>(from, count, out, stride);
-    case VoxelType::Int16:
-        return convert<std::int16_t>(from, count, out, stride);
-    case VoxelType::Float16:
-        for (std::size_t i = 0; i < count; ++i)
-            out[i * stride] = halfToFloat(load<std::uint16_t>(from + 2 * i));
-        return;
-    case VoxelType::Float32:
+    visitVoxels(volume, sliceOffset(volume, time, channel, z), [&](const auto* voxels) {
         for (std::size_t i = 0; i < count; ++i) {
-            const auto value = load<float>(from + 4 * i);
+            const float value = number(voxels[i]);
             out[i * stride] = std::isfinite(value) ? value : 0.0F;
         }
-        return;
-    }
+    });
 }
 
 BrickRanges brickRanges(const Volume& volume, int time, int side) {
@@ -238,7 +189,7 @@ GridTexture uploadGrid(const gpu::Context& context, const Volume& volume, int ti
     std::vector<std::byte> texels(count * bytes);
     for (int z = 0; z < volume.size.z; ++z) {
         if (stride == 1 && volume.type == VoxelType::UInt8) {
-            grid.texture.upload({slice(volume, time, 0, z), count}, z, 1);
+            grid.texture.upload({volume.voxels.data() + sliceOffset(volume, time, 0, z), count}, z, 1);
             continue;
         }
         for (int channel = 0; channel < volume.channels; ++channel)
@@ -247,21 +198,11 @@ GridTexture uploadGrid(const gpu::Context& context, const Volume& volume, int ti
             std::byte* to = &texels[i * bytes];
             if (texel == Texel::Byte) {
                 *to = static_cast<std::byte>(static_cast<int>(values[i]) - static_cast<int>(grid.offset));
-            } else if (texel == Texel::Single) {
+            } else if (texel == Texel::Half) {
+                const Half half = toHalf(values[i]);
+                std::memcpy(to, &half.bits, sizeof half.bits);
+            } else {
                 std::memcpy(to, &values[i], sizeof(float));
-            } else if (volume.type != VoxelType::Float16) {
-                const std::uint16_t half = wholeToHalf(values[i]);
-                std::memcpy(to, &half, sizeof half);
-            }
-        }
-        if (volume.type == VoxelType::Float16) {
-            for (int channel = 0; channel < volume.channels; ++channel) {
-                const std::byte* from = slice(volume, time, channel, z);
-                for (std::size_t i = 0; i < sliceVoxels(volume); ++i) {
-                    auto half = load<std::uint16_t>(from + 2 * i);
-                    if ((half & 0x7c00) == 0x7c00) half = 0;
-                    std::memcpy(&texels[(i * stride + static_cast<std::size_t>(channel)) * 2], &half, sizeof half);
-                }
             }
         }
         grid.texture.upload(texels, z, 1);
@@ -280,7 +221,7 @@ std::vector<float> majorants(const BrickRanges& ranges, std::span<const float> t
         const RangeMaximum maximum(tables.subspan(channel * width, width));
         const auto texel = [&](float value) {
             const double place = lookup[channel].x * static_cast<double>(value) + lookup[channel].y;
-            return std::clamp(place, 0.0, 1.0) * static_cast<double>(width);
+            return std::clamp(place, 0.0, 1.0) * static_cast<double>(width - 1) + 0.5;
         };
         for (std::size_t i = 0; i < bricks; ++i) {
             const glm::vec2 range = ranges.ranges[channel * bricks + i];
@@ -292,6 +233,24 @@ std::vector<float> majorants(const BrickRanges& ranges, std::span<const float> t
             const auto from = static_cast<std::size_t>(std::clamp(std::floor(low - 1e-2), 0.0, last));
             const auto to = static_cast<std::size_t>(std::clamp(std::floor(high + 1e-2), 0.0, last));
             result[i] += maximum(from, to);
+        }
+    }
+    markFree(result, ranges.size);
+    return result;
+}
+
+std::vector<float> crossings(const BrickRanges& ranges, double place, std::span<const glm::dvec2> lookup) {
+    const auto channels = static_cast<std::size_t>(ranges.channels);
+    assert(lookup.size() == channels);
+    const std::size_t bricks = ranges.ranges.size() / channels;
+    std::vector<float> result(bricks, 0.0F);
+    for (std::size_t channel = 0; channel < channels; ++channel) {
+        for (std::size_t i = 0; i < bricks; ++i) {
+            const glm::dvec2 range(ranges.ranges[channel * bricks + i]);
+            const double a = lookup[channel].x * range.x + lookup[channel].y;
+            const double b = lookup[channel].x * range.y + lookup[channel].y;
+            // With some room for single precision.
+            if (std::min(a, b) <= place + 1e-5 && std::max(a, b) >= place - 1e-5) result[i] = 1.0F;
         }
     }
     markFree(result, ranges.size);

@@ -37,9 +37,13 @@ GridTexture uploadGrid(const gpu::Context& context, const Volume& volume, int ti
 
 /// The largest opacity of each brick, for tables of opacities of each channel: channels add. Where it is 0, the number
 /// of free bricks to every side, itself included, as a negative number (Chebyshev's distance).
-/// @param tables `width` opacities for each channel
-/// @param lookup for each channel: place in its table, 0..1 = x * stored value + y
+/// @param tables `width` opacities for each channel, of which the first is for place 0 and the last for place 1
+/// @param lookup for each channel: place in its table = x * stored value + y
 std::vector<float> majorants(const BrickRanges& ranges, std::span<const float> tables, std::size_t width,
                              std::span<const glm::dvec2> lookup);
+
+/// 1 for each brick in which some channel's values lie to both sides of a place, or on it; else as majorants().
+/// @param lookup as for majorants()
+std::vector<float> crossings(const BrickRanges& ranges, double place, std::span<const glm::dvec2> lookup);
 
 } // namespace apeiron::volume

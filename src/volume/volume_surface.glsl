@@ -77,7 +77,7 @@ vec3 surface_normal(Hit hit, vec3 direction) {
 Material surface_material(Hit hit, vec3 normal) {
     vec3 color = volume_lookup(0, volume_iso, 1.0).rgb;
     if (volume_channels > 1) color = volume_appearance(volume_place(hit.position)).rgb;
-    return Material(color, roughness, metalness, emission * color);
+    return Material(color, roughness, metalness, volume_emission(volume_place(hit.position), vec4(color, 1.0)));
 }
 
 vec3 surface_leave(Hit hit, vec3 normal) { return hit.position + (0.02 * volume_spacing) * normal; }
