@@ -142,6 +142,8 @@ class Session {
     /// Takes another scene, of which `what` is stale; the old one stays when that throws. Returns what was made anew.
     parameter::Invalidates replace(scene::Scene scene, parameter::Invalidates what);
     void apply(parameter::Invalidates what, bool sizeChanged);
+    /// Puts a camera that the scene says nothing of where it sees all of the subject, where that has bounds.
+    void frame(const render::Subject& subject, glm::ivec2 size);
     void present();
     /// Forgets all samples. @param keep the old picture fills the new one
     void restart(bool keep);
