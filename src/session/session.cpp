@@ -333,14 +333,18 @@ bool Session::advance(double remaining, bool mustWork) {
         prepassGovernor_.report(static_cast<std::int64_t>(region.size.x) * region.size.y, seconds);
         return true;
     }
+    const auto sample = static_cast<std::uint32_t>(samples_ + scene_.output.integer("first_sample"));
+    if (renderer_->drawDue(sample)) {
+        if (!mustWork && remaining < 1.2 * drawSeconds_) return false;
+        drawSeconds_ = timed("draw", [&] { renderer_->draw(sample); });
+        return true;
+    }
     std::int64_t pixels = governor_.next(remaining, mustWork);
     if (options_.tilePixels > 0) pixels = std::min(pixels, options_.tilePixels);
     if (pixels <= 0) return false;
     const gpu::Region region = cursor_.take(pixels);
-    const double seconds = timed("generate", [&] {
-        const auto sample = static_cast<std::uint32_t>(samples_ + scene_.output.integer("first_sample"));
-        renderer_->generate(sample, interleave_, interleave_.offset(block_), region);
-    });
+    const double seconds =
+        timed("generate", [&] { renderer_->generate(sample, interleave_, interleave_.offset(block_), region); });
     const std::int64_t done = static_cast<std::int64_t>(region.size.x) * region.size.y;
     governor_.report(done, seconds);
     statistics_.pixels += done;
