@@ -42,7 +42,7 @@ class KernelRenderer : public Renderer {
   public:
     KernelRenderer(const gpu::Context& context, gpu::KernelCache& cache, const BuildOptions& options,
                    const scene::Scene& scene, const Subject& subject, glm::ivec2 size)
-        : context_(context), cache_(cache), options_(options), size_(size),
+        : context_(context), cache_(cache), options_(options), environmentPicture_(context, scene), size_(size),
           prepassSize_((size + (1 << kPrepassShift) - 1) / (1 << kPrepassShift)),
           estimate_(context, glm::min(size + kPadding, glm::ivec2(context.capabilities().maxTextureSize)), kEstimate),
           front_(std::make_unique<Buffers<4>>(context, size, kAccumulator)),
@@ -84,11 +84,12 @@ class KernelRenderer : public Renderer {
             view.upload(*kernel);
         for (gpu::Kernel* kernel : {harmonicsKernel_.get(), generate_.get()}) {
             kernel->setParameters("environment", scene.environment);
+            environmentPicture_.bind(*kernel);
         }
         // Camera moves, the most frequent edits, leave the environment as it is.
         if (!environment_ || *environment_ != scene.environment || lights_ != scene.lights) {
             harmonicsKernel_->run(harmonicsTargets_);
-            if (distribution_) distribution_->update(scene, view);
+            if (distribution_) distribution_->update(scene, view, environmentPicture_);
             environment_ = scene.environment;
             lights_ = scene.lights;
         }
@@ -240,6 +241,7 @@ class KernelRenderer : public Renderer {
     BuildOptions options_;
     const Subject* subject_ = nullptr;   ///< of the last setScene()
     std::optional<std::uint32_t> drawn_; ///< the sample that the subject was drawn for
+    EnvironmentPicture environmentPicture_;
     glm::ivec2 size_;
     glm::ivec2 prepassSize_;
     int prepassLeft_ = 0; ///< texels that are not worked out yet

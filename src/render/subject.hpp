@@ -19,17 +19,31 @@ struct BuildOptions {
     bool specialise = true;
 };
 
+/// A sphere around everything [world units].
+struct Bounds {
+    glm::dvec3 center{0.0};
+    double radius = 0.0;
+    glm::dvec3 front{0.0}; ///< direction from which it is best seen at first; 0: from anywhere
+};
+
 /// What is around the camera.
 struct Surroundings {
     double distance = std::numeric_limits<double>::infinity(); ///< to the nearest surface [world units]
     double freePart = 1.0;                                     ///< of the way, before the surface comes near, 0..1
 };
 
-/// What a scene shows: it gives GLSL for one or more interfaces (`surface`, later `medium`, `field`, `raster`) and the
+/// What a scene shows: it gives GLSL for one or more interfaces (`surface`, `medium`, `field`, `raster`) and the
 /// data behind it. Needs its context to be current.
 class Subject {
   public:
     virtual ~Subject() = default;
+
+    /// Makes ready what a scene names (data, tables), before the functions below are called for it. Nothing changes
+    /// when it throws. @throws Error
+    virtual void prepare(const gpu::Context& /*context*/, const scene::Scene& /*scene*/) {}
+
+    /// Where all of it is, for subjects with a size of their own: cameras that a scene says nothing of show that.
+    virtual std::optional<Bounds> bounds() const { return {}; }
 
     /// The interfaces that it implements.
     virtual std::set<std::string> provides() const = 0;

@@ -90,6 +90,15 @@ glm::ivec2 Session::size() const {
     return sizeOf(scene_);
 }
 
+void Session::frame(const render::Subject& subject, glm::ivec2 size) {
+    const auto bounds = subject.bounds();
+    if (!bounds || bounds->radius <= 0.0) return;
+    if (scene_.camera != scene::Scene(scene_.sharedCatalogue()).camera) return;
+    scene::Camera camera(scene_.camera);
+    camera.frame(bounds->center, bounds->radius, static_cast<double>(size.x) / size.y, bounds->front);
+    scene_.camera = camera.node();
+}
+
 void Session::apply(parameter::Invalidates what, bool sizeChanged) {
     using parameter::Invalidates;
     if (what == Invalidates::Nothing && !sizeChanged) return;
@@ -107,7 +116,11 @@ void Session::apply(parameter::Invalidates what, bool sizeChanged) {
                 if (type.node.name == name) subject = type.create();
             }
         }
-        const render::Subject& current = subject ? *subject : *subject_;
+        render::Subject& current = subject ? *subject : *subject_;
+        if (what == Invalidates::Program || what == Invalidates::Samples || subject) {
+            current.prepare(context_, scene_);
+            frame(current, size);
+        }
         if (what == Invalidates::Program || sizeChanged || subject) {
             renderer = render::makeRenderer(context_, cache_, build_, scene_, current, size);
         }
@@ -162,6 +175,7 @@ parameter::Invalidates Session::replace(scene::Scene scene, parameter::Invalidat
         apply(what, sizeChanged);
     } catch (...) {
         std::swap(scene, scene_);
+        if (scene_.subject.type().name == subjectName_) subject_->prepare(context_, scene_);
         throw;
     }
     return what;

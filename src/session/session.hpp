@@ -147,6 +147,8 @@ class Session {
     /// After a move: world units that fit the place (see render::Subject::rebase()). The picture stays.
     void rebase();
     void apply(parameter::Invalidates what, bool sizeChanged);
+    /// Puts a camera that the scene says nothing of where it sees all of the subject, where that has bounds.
+    void frame(const render::Subject& subject, glm::ivec2 size);
     void present();
     /// Forgets all samples. @param keep the old picture fills the new one
     void restart(bool keep);

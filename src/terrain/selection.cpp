@@ -12,7 +12,9 @@
 namespace apeiron::terrain {
 namespace {
 
-constexpr std::int64_t kDeepest = 20; ///< levels below the place's that tiles and clearances go to at most
+constexpr std::int64_t kDeepest = 20; ///< levels below the place's that clearances are looked for at most
+/// The same of tiles, which matters under ground only: offsets from the origin have 14 + 8 + 8 bits then.
+constexpr std::int64_t kDeepestTile = 6;
 
 /// The camera as one level's cells see it.
 struct Level {
@@ -232,7 +234,7 @@ void Selection::State::walk(const Walk& w, std::int32_t index, bool inside) {
     if (w.horizon != nullptr && !inside && w.horizon->hides(box.least, box.most)) return;
     const double edge = w.levels.at(node.cell.level).edge;
     const double distance = std::max(groundDistance(box), w.clearance);
-    if (distance >= w.ratio * edge || node.cell.level >= w.levels.last()) {
+    if (distance >= w.ratio * edge || node.cell.level >= w.levels.place() + kDeepestTile) {
         w.found->emplace_back(index, box);
         if (w.horizon != nullptr) w.horizon->add(box.least, box.most);
         return;
@@ -247,6 +249,11 @@ void Selection::State::clearanceBelow(const Place& place, const Levels& levels, 
     const Box box = levels.box(node);
     const double distance = distanceTo(box);
     if (distance >= best) return;
+    if (box.least.z >= 0.0 && groundDistance(box) == 0.0) {
+        // All ground here is above the camera. (Looking further, heights would leave their range.)
+        best = 0.0;
+        return;
+    }
     const double edge = levels.at(node.cell.level).edge;
     if (edge <= 0.25 * distance || node.cell.level >= levels.last()) {
         best = distance;

@@ -37,7 +37,8 @@ struct Tile {
     std::int64_t level = 0; ///< of its vertices: cell.level + tileLevels
     std::uint32_t x = 0;    ///< its first vertex on the lattice of `level`, modulo 2^32; with `level` a cache's key
     std::uint32_t y = 0;
-    glm::ivec2 offset{0};          ///< its first vertex from the origin [vertex spacings]; below 2^24
+    glm::ivec2 offset{0};          ///< its first vertex from the origin [vertex spacings]; below 2^24 where a
+                                   ///< clearance of a cell or so allows no finer tiles: exact as floats
     std::int32_t originHeight = 0; ///< of the origin [units of `level`], modulo 2^32
     double spacing = 0.0;          ///< of vertices [world]
     double heightUnit = 0.0;       ///< one unit of height of `level` [world], relief included
