@@ -208,6 +208,7 @@ Json toJson(const Parameter& parameter) {
     json["invalidates"] = toString(parameter.invalidates);
     if (parameter.color) json["color"] = true;
     if (parameter.logarithmic) json["logarithmic"] = true;
+    if (parameter.path) json["path"] = true;
     if (parameter.nonZero) json["nonZero"] = true;
     json["doc"] = parameter.doc;
     return json;

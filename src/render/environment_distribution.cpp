@@ -24,10 +24,11 @@ EnvironmentDistribution::EnvironmentDistribution(const gpu::Context& context, gp
       table_(context, kFormat, kCells, "environment_distribution"),
       kernel_(cache.get("environment_power", environmentPowerSource(scene, options), options.stage, {kFormat})) {}
 
-void EnvironmentDistribution::update(const scene::Scene& scene, const View& view) {
+void EnvironmentDistribution::update(const scene::Scene& scene, const View& view, const EnvironmentPicture& picture) {
     view.upload(*kernel_);
     kernel_->set("environment_cells", power_.size());
     kernel_->setParameters("environment", scene.environment);
+    picture.bind(*kernel_);
     kernel_->run(powerTargets_);
     const std::vector<float> table = environmentTable(power_.download());
     table_.upload(table);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "gpu/kernel_cache.hpp"
+#include "render/environment_picture.hpp"
 #include "render/subject.hpp"
 #include "render/view.hpp"
 
@@ -14,7 +15,7 @@ class EnvironmentDistribution {
                             const scene::Scene& scene);
 
     /// The environment, or a light that it depends on, has changed.
-    void update(const scene::Scene& scene, const View& view);
+    void update(const scene::Scene& scene, const View& view, const EnvironmentPicture& picture);
 
     void bind(gpu::Kernel& kernel) const;
 

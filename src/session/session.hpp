@@ -138,6 +138,9 @@ class Session {
 
     const Statistics& statistics() const { return statistics_; }
 
+    /// What the subject counts (tiles drawn, generated, cached, ...): names and values of now.
+    std::vector<std::pair<std::string, double>> counters() const { return subject_->counters(); }
+
   private:
     /// Takes another scene, of which `what` is stale; the old one stays when that throws. Returns what was made anew.
     parameter::Invalidates replace(scene::Scene scene, parameter::Invalidates what);
@@ -184,6 +187,7 @@ class Session {
     bool pending_ = false; ///< the sample in progress is computed but not integrated
     bool single_ = false;  ///< the first sample is complete and counted, but not integrated: it was to be the only one
     double integrateSeconds_ = 0.0;
+    double drawSeconds_ = 0.0; ///< what drawing the subject took last
     std::int64_t samples_ = 0;
     double seconds_ = 0.0;                                       ///< spent in step() since the last reset
     std::int64_t noiseCheck_ = 8;                                ///< the sample count at which noise is looked at next
