@@ -177,7 +177,7 @@ void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geom
             vec2 u_light = bounce == 1 ? first_light : vec2(medium_number(), medium_number());
             float u_choice = medium_number();
             // A border scatters as a surface, or as haze.
-            bool surface = medium_number() < m.surface;
+            bool surface = m.surface > 0.0 && medium_number() < m.surface;
             vec3 view = -ray.direction;
             vec3 normal = dot(m.normal, view) < 0.0 ? -m.normal : m.normal;
             Material material = Material(vec3(1.0), 0.5, 0.0, vec3(0.0));
