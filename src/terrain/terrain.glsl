@@ -5,10 +5,8 @@
 // the clipmap.
 
 uniform int shadow_steps; //! 56 [8, 400] log | Most steps along a shadow ray
-uniform float
-    occlusion_reach; //! 0.1 [0.005, 1] log | How far ambient occlusion looks, relative to the distance from the camera
-uniform float
-    snow; //! 0.5 [0, 1] step 0.01 | How much of the ground the ground's second material covers: snow, sand, grass
+uniform float occlusion_reach; //! 0.1 [0.005, 1] log | How far ambient occlusion looks, relative to the distance from the camera
+uniform float snow; //! 0.5 [0, 1] step 0.01 | How much of the ground the ground's second material covers: snow, sand, grass
 uniform float color_scale; //! 1 [0.05, 20] log | How fast the ground's colours change with height
 uniform int debug; //! none {none, levels, borders, wireframe} | Tiles' levels in colour, with their borders, with all
                    //! lines of the mesh
