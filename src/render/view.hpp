@@ -24,6 +24,7 @@ class View {
     glm::ivec2 size_;
     glm::mat3 basis_{1.0F};
     float extent_ = 1.0F;
+    float height_ = 0.0F;
     bool orthographic_ = false;
     int filter_ = 0;
     float lens_ = 0.0F;
