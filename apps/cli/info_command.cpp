@@ -3,8 +3,10 @@
 #include "core/error.hpp"
 #include "io/image_file.hpp"
 #include "io/layers_file.hpp"
+#include "io/volume_file.hpp"
 #include "scene_argument.hpp"
 #include "table.hpp"
+#include "volume_info.hpp"
 
 #include <fmt/format.h>
 
@@ -122,7 +124,14 @@ void printInfo(const scene::Scene& scene, const Json& image) {
     fmt::print("{}", alignedTable(rows));
 }
 
-int info(const std::string& argument, bool json) {
+bool isGalleryScene(const std::string& name) {
+    const std::vector<std::string> names = galleryNames();
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+int info(const std::string& argument, const VolumeForm& form, bool json) {
+    if (!form.raw.empty() || (!isGalleryScene(argument) && io::isVolume(argument)))
+        return volumeInfo(argument, form, json);
     const scene::Scene scene = loadScene(argument);
     const Json image = io::detectImageFormat(argument) ? imageJson(argument) : Json(nullptr);
     if (json) {
@@ -154,14 +163,23 @@ int check(const std::vector<std::string>& scenes) {
 void addInfoCommand(CLI::App& app, Action& action) {
     struct Options {
         std::string scene;
+        VolumeForm form;
         bool json = false;
     };
     const auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("info", "Say what a scene or a picture is made of");
-    command->footer("Example: apeiron info out/mandelbulb.png");
-    command->add_option("SCENE", options->scene, kSceneHelp)->required()->type_name("");
+    CLI::App* command = app.add_subcommand("info", "Say what a scene, a picture or a volume is made of");
+    command->footer("Examples:\n"
+                    "  apeiron info out/mandelbulb.png\n"
+                    "  apeiron info head.nrrd\n"
+                    "  apeiron info folder-of-dicom-files\n"
+                    "  apeiron info head.raw --raw 256x256x128:uint16:big");
+    command->add_option("SCENE", options->scene, std::string(kSceneHelp) + ", or a volume's file or folder")
+        ->required()
+        ->type_name("");
+    options->form.addTo(*command);
     command->add_flag("--json", options->json, "Print JSON: the complete scene, and the image's figures");
-    command->callback([options, &action] { action = [options] { return info(options->scene, options->json); }; });
+    command->callback(
+        [options, &action] { action = [options] { return info(options->scene, options->form, options->json); }; });
 }
 
 void addCheckCommand(CLI::App& app, Action& action) {

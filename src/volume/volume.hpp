@@ -17,6 +17,9 @@ enum class VoxelType { UInt8, Int8, UInt16, Int16, Float16, Float32 };
 enum class Modality { Unknown, Ct, Mri, Microscopy, Simulation };
 
 /// A grid of measured values in memory, of one or more channels and points of time.
+///
+/// World coordinates of patients are DICOM's LPS [mm]: +x to the patient's left, +y to the back (posterior), +z to the
+/// head (superior). Readers convert from RAS. Data without any orientation keeps its own axes.
 struct Volume {
     glm::ivec3 size{0}; ///< voxels along x, y, z
     int channels = 1;   ///< 1 to 4
@@ -25,6 +28,7 @@ struct Volume {
     double slope = 1; ///< value = slope * stored + intercept
     double intercept = 0;
     glm::dmat4 indexToWorld{1}; ///< centre of voxel (i, j, k) -> world [mm]; any affine map, oblique and mirrored too
+    double timeStep = 0;        ///< between points of time [s]; 0: unknown
     Modality modality = Modality::Unknown;
     std::string unit; ///< of a value, "HU" for example; empty: unknown
     std::string name; ///< for messages: the file or generator it came from
@@ -40,5 +44,46 @@ constexpr std::size_t bytesPerVoxel(VoxelType type) {
     constexpr std::array<std::size_t, 6> kBytes{1, 1, 2, 2, 2, 4};
     return kBytes[static_cast<std::size_t>(type)];
 }
+
+/// "uint8", "int8", "uint16", "int16", "float16", "float32".
+const char* toString(VoxelType type);
+
+/// "unknown", "ct", "mri", "microscopy", "simulation".
+const char* toString(Modality modality);
+
+/// Voxels of one channel at one point of time.
+inline std::size_t voxelsPerChannel(const Volume& volume) {
+    return static_cast<std::size_t>(volume.size.x) * static_cast<std::size_t>(volume.size.y) *
+           static_cast<std::size_t>(volume.size.z);
+}
+
+/// Distance between neighbouring voxels along the grid's own axes [mm].
+inline glm::dvec3 spacing(const Volume& volume) {
+    return {glm::length(glm::dvec3(volume.indexToWorld[0])), glm::length(glm::dvec3(volume.indexToWorld[1])),
+            glm::length(glm::dvec3(volume.indexToWorld[2]))};
+}
+
+/// Where the first voxel of a channel at a point of time is in `voxels`, counted in voxels.
+inline std::size_t channelOffset(const Volume& volume, int channel, int time) {
+    return voxelsPerChannel(volume) * (static_cast<std::size_t>(time) * static_cast<std::size_t>(volume.channels) +
+                                       static_cast<std::size_t>(channel));
+}
+
+/// How many bytes a volume has. @throws Error (BadInput) for sizes below 1, channels not in 1 to 4, time points below
+/// 1, an edge above kMaxEdge, and more bytes than `limit`.
+std::size_t byteSize(glm::ivec3 size, VoxelType type, int channels, int timePoints, std::size_t limit);
+
+/// No edge may be longer.
+inline constexpr int kMaxEdge = 65'536;
+
+/// A volume of zeros, with voxels of 1 mm. @throws Error as byteSize() does, before anything is allocated.
+Volume makeVolume(glm::ivec3 size, VoxelType type, int channels = 1, int timePoints = 1,
+                  std::size_t limit = std::size_t{1} << 40);
+
+/// The value as measured (slope and intercept applied) at a voxel. @pre inside the volume
+double valueAt(const Volume& volume, glm::ivec3 voxel, int channel = 0, int time = 0);
+
+/// Puts the centre of the grid at the world's origin, axes along the world's, voxels `spacing` [mm] apart.
+void centre(Volume& volume, glm::dvec3 spacing);
 
 } // namespace apeiron::volume
