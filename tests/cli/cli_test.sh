@@ -83,6 +83,23 @@ expect 2 'render --help' render mandelbulb
 expect 2 'render --help' render -o a.png
 expect 2 'not expected' render mandelbulb more -o a.png
 
+# --- Terrain heights ---
+expect 0 '^corners +-54524 -62515 -53267 -65061$' terrain height --seed 19088743 --path 33013 --kernel bilinear
+expect 0 '^window +-40239 -42662 -39565 -43517$' terrain height --seed 19088743 --path 33013
+apeiron terrain height --seed 19088743 --path 33013 --json
+check 'terrain JSON' test "$(json stdout window 5)" = -36456
+check 'terrain JSON' test "$(json stdout x)" = 27
+printf '330\n13\n' >path.txt
+expect 0 '^level +5$' terrain height --path @path.txt
+expect 2 '--path: .*character 4 is "4"' terrain height --path 0124
+expect 2 '--path: .*path2.txt: cannot be read' terrain height --path @path2.txt
+head -c 1100000 /dev/zero | tr '\0' 2 >deep.txt
+expect 2 '--path: an address has at most 1048576 digits' terrain height --path @deep.txt
+expect 2 '--seed: expected a whole number from 0 to 4294967295' terrain height --path 1 --seed 4294967296
+expect 2 "unknown kernel .*did you mean 'bilinear'" terrain height --path 1 --kernel bilinea
+expect 2 '--hurst: ' terrain height --path 1 --hurst 2
+expect 2 'terrain --help' terrain height
+
 # --- Scenes ---
 expect 2 "did you mean 'mandelbulb'" render mandelbul -o a.png
 expect 2 'none.json: there is no such file' render none.json -o a.png
