@@ -15,7 +15,7 @@ namespace apeiron::terrain {
 namespace {
 
 std::filesystem::path root() {
-    return std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
+    return APEIRON_SOURCE_DIR;
 }
 
 /// Compares all vectors of a file with what is computed; returns how many there were.
