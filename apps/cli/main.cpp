@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/suggest.hpp"
+#include "io/radiance_file.hpp"
 
 #include <fmt/format.h>
 
@@ -102,6 +103,7 @@ int run(int argc, char** argv) {
     addSchemaCommand(app, action);
     addMergeCommand(app, action);
     addBenchCommand(app, action);
+    addTerrainCommand(app, action);
     requireKnownCommand(app, argc, argv);
     try {
         app.parse(argc, argv);
@@ -133,5 +135,6 @@ int guarded(int argc, char** argv) {
 } // namespace apeiron::cli
 
 int main(int argc, char** argv) {
+    apeiron::io::registerPictureFiles();
     return apeiron::cli::guarded(argc, argv);
 }

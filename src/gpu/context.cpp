@@ -2,6 +2,9 @@
 
 #include "gpu/context_native.hpp"
 #include "gpu/gl.hpp"
+#ifdef __EMSCRIPTEN__
+#include <emscripten/html5.h>
+#endif
 
 #include <fmt/format.h>
 
@@ -55,6 +58,7 @@ void Context::readCapabilities() {
     c.version = glString(GL_VERSION);
     c.software = isSoftwareRenderer(c.renderer);
     c.maxTextureSize = glInteger(GL_MAX_TEXTURE_SIZE);
+    c.maxTextureSize3D = glInteger(GL_MAX_3D_TEXTURE_SIZE);
     c.maxDrawBuffers = glInteger(GL_MAX_DRAW_BUFFERS);
 #ifdef __EMSCRIPTEN__
     // Browsers give the device's real name (UNMASKED_RENDERER_WEBGL) only where WEBGL_debug_renderer_info is on.
@@ -62,6 +66,8 @@ void Context::readCapabilities() {
     c.software = isSoftwareRenderer(c.renderer);
     c.es = true;
     c.web = true;
+    c.floatFiltering =
+        emscripten_webgl_enable_extension(emscripten_webgl_get_current_context(), "OES_texture_float_linear");
 #else
     c.es = !epoxy_is_desktop_gl();
     const int version = epoxy_gl_version();
@@ -71,6 +77,7 @@ void Context::readCapabilities() {
     }
     c.compute = version >= (c.es ? 31 : 43);
     c.timers = !c.es;
+    c.floatFiltering = !c.es || epoxy_has_gl_extension("GL_OES_texture_float_linear");
 #endif
     c.floatTargets = canRenderToFloat();
     if (!c.floatTargets) {

@@ -24,11 +24,13 @@ struct Capabilities {
     std::string version;
     bool es = false; ///< OpenGL ES or WebGL
     bool web = false;
-    bool software = false;     ///< llvmpipe, softpipe, SwiftShader
-    bool compute = false;      ///< compute kernels (GL >= 4.3 or ES >= 3.1)
-    bool timers = false;       ///< GPU timer queries
-    bool floatTargets = false; ///< 32-bit float colour targets
-    int maxTextureSize = 0;    ///< [texels]
+    bool software = false;       ///< llvmpipe, softpipe, SwiftShader
+    bool compute = false;        ///< compute kernels (GL >= 4.3 or ES >= 3.1)
+    bool timers = false;         ///< GPU timer queries
+    bool floatTargets = false;   ///< 32-bit float colour targets
+    bool floatFiltering = false; ///< interpolation of 32-bit float textures
+    int maxTextureSize = 0;      ///< [texels]
+    int maxTextureSize3D = 0;    ///< of each side [texels]
     int maxDrawBuffers = 0;
 };
 

@@ -232,10 +232,17 @@ void Kernel::set(std::string_view name, std::span<const glm::vec4> values) {
 }
 
 void Kernel::set(std::string_view name, const Texture& texture) {
+    setSampler(name, GL_TEXTURE_2D, texture.name());
+}
+void Kernel::set(std::string_view name, const Texture3D& texture) {
+    setSampler(name, GL_TEXTURE_3D, texture.name());
+}
+
+void Kernel::setSampler(std::string_view name, unsigned target, unsigned texture) {
     const int where = location(name);
     if (where < 0) return;
-    const auto [it, isNew] = samplers_.try_emplace(where, Sampler{static_cast<int>(samplers_.size()), texture.name()});
-    it->second.texture = texture.name();
+    const auto [it, isNew] = samplers_.try_emplace(where, Sampler{static_cast<int>(samplers_.size()), target, texture});
+    it->second.texture = texture;
     if (isNew) glUniform1i(where, it->second.unit);
 }
 
@@ -279,7 +286,7 @@ void Kernel::run(const Targets& targets, const Region& region, glm::ivec2 size, 
     set("apeiron_size", size);
     for (const auto& [where, sampler] : samplers_) {
         glActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + sampler.unit));
-        glBindTexture(GL_TEXTURE_2D, sampler.texture);
+        glBindTexture(sampler.target, sampler.texture);
     }
     glActiveTexture(GL_TEXTURE0);
 #ifndef __EMSCRIPTEN__

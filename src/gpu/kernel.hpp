@@ -2,6 +2,7 @@
 
 #include "gpu/shader_source.hpp"
 #include "gpu/texture.hpp"
+#include "gpu/texture3d.hpp"
 
 #include <unordered_map>
 
@@ -68,6 +69,7 @@ class Kernel {
     void set(std::string_view name, std::span<const glm::vec4> values);
     /// Binds a texture to a sampler uniform. The texture must live until the next run().
     void set(std::string_view name, const Texture& texture);
+    void set(std::string_view name, const Texture3D& texture);
     /// Sets every parameter that is bound to `slot` from the node.
     void setParameters(std::string_view slot, const parameter::Node& node);
 
@@ -79,6 +81,7 @@ class Kernel {
 
   private:
     int location(std::string_view name);
+    void setSampler(std::string_view name, unsigned target, unsigned texture);
 
     unsigned program_ = 0;
     unsigned vertexArray_ = 0;
@@ -88,6 +91,7 @@ class Kernel {
     std::unordered_map<std::string, int> locations_;
     struct Sampler {
         int unit;
+        unsigned target;
         unsigned texture;
     };
     std::unordered_map<int, Sampler> samplers_; ///< by uniform location

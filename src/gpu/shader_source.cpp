@@ -237,10 +237,11 @@ void ShaderSource::addModule(const parameter::GlslModule& module, const std::str
         if (rename == Rename::All) names.erase("kernel_main");
     } else {
         for (const parameter::Parameter& p : module.parameters)
-            names.insert(p.name);
+            if (p.uniform) names.insert(p.name);
     }
     text = withPrefix(text, names, prefix);
     for (const parameter::Parameter& p : module.parameters) {
+        if (!p.uniform) continue; // a file's name and the like: nothing that a shader sees
         const std::string uniform = prefix + p.name;
         if (specialise || p.invalidates == parameter::Invalidates::Program) {
             const std::regex declaration(

@@ -105,6 +105,7 @@ class ModuleParser {
         if (const auto tag = module_.tags.find("invalidates"); tag != module_.tags.end())
             byDefault_ = parseInvalidates(tag->second); // checked where it stands, by readTag()
         forEachLine([&] { readUniform(); });
+        if (const auto tag = module_.tags.find("picture"); tag != module_.tags.end()) addPicture(tag->second);
     }
 
   private:
@@ -127,6 +128,20 @@ class ModuleParser {
         std::string& tag = module_.tags[key];
         tag += (tag.empty() ? "" : " ") + value;
         if (key == "invalidates") parseInvalidates(tag);
+    }
+
+    /// The file of the picture that the module is made of.
+    void addPicture(const std::string& name) {
+        if (!isIdentifier(name)) throw Error(ErrorKind::BadInput, "#pragma apeiron picture needs a name", module_.file);
+        Parameter parameter;
+        parameter.name = name;
+        parameter.type = Type::Text;
+        parameter.defaultValue = std::string();
+        parameter.path = true;
+        parameter.invalidates = Invalidates::Program; // everything that can fail is made anew aside
+        parameter.doc = "The picture's file, relative to the document";
+        parameter.where = module_.file;
+        module_.parameters.push_back(std::move(parameter));
     }
 
     static bool isAnnotated(const GlslLine& line) { return line.hasComment && line.comment.starts_with('!'); }

@@ -29,7 +29,8 @@ struct GlslModule {
 /// DEFAULT is a number, true/false, (x, y, z) or a label; {LABEL, ...} makes an int a Choice. A uniform without an
 /// annotation is the engine's own and is no parameter. Lines below with nothing but a `//!` comment continue the
 /// annotation. Where it says nothing of `invalidates`, `#pragma apeiron invalidates X` decides for the whole
-/// file, else it is samples. Repeated tags are joined by spaces.
+/// file, else it is samples. `#pragma apeiron picture NAME` declares a Text NAME with the file of the module's
+/// `uniform sampler2D picture` (environments only). Repeated tags are joined by spaces.
 /// @throws Error (BadInput) at file:line.
 GlslModule parseModule(std::string name, std::string file, std::string source);
 

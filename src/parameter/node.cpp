@@ -68,6 +68,11 @@ Invalidates Node::set(std::string_view name, Value value, const std::filesystem:
     const auto current = values_.find(name);
     assert(current != values_.end());
 
+    if (parameter.path) {
+        std::string& text = std::get<std::string>(value);
+        const std::filesystem::path file(text);
+        if (!text.empty() && !base.empty() && file.is_relative()) text = (base / file).lexically_normal().string();
+    }
     if (parameter.type != Type::Module) {
         if (current->second == value) return Invalidates::Nothing;
         current->second = std::move(value);

@@ -94,6 +94,9 @@ Json toJsonValue(const ModuleReference& value) {
     json["source"] = *value.source;
     return json;
 }
+Json toJsonValue(const Structure& value) {
+    return value.json;
+}
 
 } // namespace
 
@@ -119,6 +122,8 @@ std::string_view toString(Type type) {
         return "decimal3";
     case Type::Module:
         return "module";
+    case Type::Structure:
+        return "structure";
     }
     return {};
 }
@@ -178,6 +183,9 @@ void validate(const Parameter& parameter, const Value& value) {
         if (expect<ModuleReference>(value, "the name of a module").name.empty())
             fail("expected the name of a module, got \"\"");
         break;
+    case Type::Structure:
+        if (parameter.check != nullptr) parameter.check(expect<Structure>(value, "a JSON value").json);
+        break;
     }
 }
 
@@ -196,9 +204,11 @@ Json toJson(const Parameter& parameter) {
     if (!parameter.unit.empty()) json["unit"] = parameter.unit;
     if (!parameter.choices.empty()) json["choices"] = parameter.choices;
     if (!parameter.folder.empty()) json["folder"] = parameter.folder;
+    if (!parameter.shorthand.empty()) json["shorthand"] = parameter.shorthand;
     json["invalidates"] = toString(parameter.invalidates);
     if (parameter.color) json["color"] = true;
     if (parameter.logarithmic) json["logarithmic"] = true;
+    if (parameter.path) json["path"] = true;
     if (parameter.nonZero) json["nonZero"] = true;
     json["doc"] = parameter.doc;
     return json;

@@ -22,10 +22,11 @@ enum class Type {
     Vec2,
     Vec3,
     Vec4,
-    Choice,   ///< one of `choices`, by label; an int (its index) in GLSL
-    Text,     ///< host only
-    Decimal3, ///< a position as three decimals of any length; host only
-    Module,   ///< the name of a GLSL module in `folder`, a path to one, or its source; host only
+    Choice,    ///< one of `choices`, by label; an int (its index) in GLSL
+    Text,      ///< host only
+    Decimal3,  ///< a position as three decimals of any length; host only
+    Module,    ///< the name of a GLSL module in `folder`, a path to one, or its source; host only
+    Structure, ///< a JSON value with a form of its own, which `check` judges (a transfer function); host only
 };
 
 /// What an edit of a parameter makes stale.
@@ -45,9 +46,15 @@ struct ModuleReference {
 
 using Decimal3 = std::array<Decimal, 3>;
 
+/// The value of a Structure parameter. (A type of its own: a bare Json would take any value.)
+struct Structure {
+    Json json;
+    bool operator==(const Structure&) const = default;
+};
+
 /// A parameter's value. Choice labels and texts are strings; vectors are double.
 using Value = std::variant<bool, std::int64_t, double, glm::dvec2, glm::dvec3, glm::dvec4, std::string, Decimal3,
-                           ModuleReference>;
+                           ModuleReference, Structure>;
 
 /// One parameter, declared once: in an annotated GLSL uniform or in C++.
 struct Parameter {
@@ -66,7 +73,13 @@ struct Parameter {
     bool uniform = false;     ///< declared by a GLSL uniform (else host only)
     std::string doc;          ///< one sentence for people
     std::string where;        ///< "file:line" of the declaration
+    bool path = false;        ///< a Text that names a file: relative ones are so to the document
     bool nonZero = false;     ///< a vector that must have a direction (an axis, a quaternion)
+    /// Judges a Structure's JSON: throws Error (BadInput) with the place inside it. Required for a Structure.
+    void (*check)(const Json& json) = nullptr;
+    /// A Structure that is a text "x" is short for the object {shorthand: "x"}; empty: texts stand for themselves.
+    /// `choices` are then the texts to choose from.
+    std::string shorthand;
 };
 
 /// The GLSL-like name of a type: "float", "choice", ...

@@ -1,5 +1,6 @@
 #include "core/error.hpp"
 #include "core/suggest.hpp"
+#include "parameter/json_source.hpp"
 #include "parameter/parameter.hpp"
 #include "parameter/text.hpp"
 
@@ -36,6 +37,8 @@ std::string expectation(const Parameter& parameter) {
         return R"(3 decimal numbers, such as ["0", "0.5", "1"])";
     case Type::Module:
         return R"(the name of a module, or {"name": ..., "source": ...})";
+    case Type::Structure:
+        return "a JSON value";
     }
     return {};
 }
@@ -148,6 +151,14 @@ Value decimalsFromText(const Parameter& parameter, std::string_view text) {
     return decimals;
 }
 
+/// JSON where the text is an object, a list or a string in quotes; other text is a string.
+Value structureFromText(std::string_view text) {
+    const std::string_view word = trimmed(text);
+    if (word.empty() || std::string_view("{[\"").find(word.front()) == std::string_view::npos)
+        return Structure{Json(std::string(word))};
+    return Structure{JsonSource::parse("value", std::string(text)).root()};
+}
+
 /// Text that is plainly JSON: a string in quotes or an object. Other text stands for itself.
 std::optional<Json> quotedJson(std::string_view text) {
     text = trimmed(text);
@@ -181,6 +192,8 @@ Value readJson(const Parameter& parameter, const Json& json) {
         return decimalsFromJson(parameter, json);
     case Type::Module:
         return moduleFromJson(parameter, json);
+    case Type::Structure:
+        return Structure{json};
     }
     failExpected(parameter, shown(json));
 }
@@ -215,6 +228,8 @@ Value readText(const Parameter& parameter, std::string_view text) {
     case Type::Module:
         if (const auto json = quotedJson(text)) return readJson(parameter, *json);
         return ModuleReference{std::string(word), {}};
+    case Type::Structure:
+        return structureFromText(text);
     }
     failExpected(parameter, inQuotes(text));
 }

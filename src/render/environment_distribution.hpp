@@ -1,6 +1,7 @@
 #pragma once
 
 #include "gpu/kernel_cache.hpp"
+#include "render/environment_picture.hpp"
 #include "render/subject.hpp"
 #include "render/view.hpp"
 
@@ -14,7 +15,7 @@ class EnvironmentDistribution {
                             const scene::Scene& scene);
 
     /// The environment, or a light that it depends on, has changed.
-    void update(const scene::Scene& scene, const View& view);
+    void update(const scene::Scene& scene, const View& view, const EnvironmentPicture& picture);
 
     void bind(gpu::Kernel& kernel) const;
 
@@ -22,6 +23,7 @@ class EnvironmentDistribution {
     gpu::Texture power_;
     gpu::Targets powerTargets_;
     gpu::Texture table_;
+    float peak_ = 1.0F; ///< of the probability, relative to a uniform distribution's
     std::shared_ptr<gpu::Kernel> kernel_;
 };
 

@@ -9,6 +9,8 @@
 namespace apeiron::render {
 namespace {
 
+constexpr const char* kNoSurface = "float surface_clear(Ray cone) { return cone.t_min; }\n";
+
 void requireInterfaces(const scene::Scene& scene, const Subject& subject) {
     const parameter::GlslModule& module = scene.renderer.module("type");
     const auto tag = module.tags.find("needs");
@@ -59,6 +61,7 @@ gpu::ShaderSource generateSource(const scene::Scene& scene, const Subject& subje
 gpu::ShaderSource prepassSource(const scene::Scene& scene, const Subject& subject, const BuildOptions& options) {
     gpu::ShaderSource source;
     subject.addSource(source, scene, options);
+    if (!subject.provides().contains("surface")) source.addText("no surface", kNoSurface);
     source.addFile("render/glsl/prepass.glsl");
     return source;
 }

@@ -41,6 +41,10 @@ class Camera {
     /// picture: width / height
     void focusOn(double distance, glm::dvec2 place, double aspect);
 
+    /// Moves to where a sphere fills the picture and aims at its centre. @param aspect of the picture: width / height
+    /// @param front direction from the centre to the camera; 0: where it is looked from now @pre radius > 0
+    void frame(const glm::dvec3& center, double radius, double aspect, const glm::dvec3& front = glm::dvec3(0.0));
+
     /// Turns around the target: positive yaw moves the camera to its right, positive pitch up [rad]. Stays clear
     /// of the poles. In free mode the target is first put `distance()` ahead, `roll` becomes what the free
     /// orientation has, and the mode becomes orbit: the picture does not jump.

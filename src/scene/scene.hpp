@@ -34,6 +34,7 @@ class Scene {
     /// `post.effects.0.strength`, `subject.type` and other `type`s. An index equal to the list's length with `.type`
     /// appends a node (`lights.1.type=point`); where nodes have no type, the key that chooses their module does
     /// (`subject.slots.0.formula=mandelbox`). Values are command-line text (see parameter::valueFromText) or JSON.
+    /// Parts of a structure have paths too (`subject.transfer.window.width`; null removes one).
     /// Whole parts are set by JSON as in a document (`lights`, `lights.0`, `camera`, `post.effects`); null removes a
     /// node from a list (`lights.0=null`).
     /// Returns what that makes stale. Nothing changes when it throws.

@@ -125,7 +125,7 @@ class Edit {
     /// The node itself, its type, or one of its parameters.
     Invalidates setNode(Node& node, Keys rest) {
         if (rest.empty()) return replace(node, readNode(context_, node.type().role, json(), ""));
-        if (rest.size() > 1) fail("'" + rest[0] + "' has no parts");
+        if (rest.size() > 1) return setInside(node, rest[0], rest.subspan(1));
         if (rest[0] == "type" && !node.type().name.empty()) {
             const std::shared_ptr<const NodeType> type = typeNamed(node.type().role);
             if (type->name == node.type().name) return Invalidates::Nothing;
@@ -135,6 +135,60 @@ class Edit {
         if (const auto* given = std::get_if<const Json*>(&input_))
             return node.setFromJson(rest[0], **given, context_.base);
         return node.setFromText(rest[0], std::get<std::string_view>(input_), context_.base);
+    }
+
+    /// A part of a Structure: `subject.transfer.window.width`, `subject.transfer.points.2.opacity`.
+    Invalidates setInside(Node& node, const std::string& name, Keys keys) {
+        const parameter::Parameter& parameter = node.schema().at(name);
+        if (parameter.type != parameter::Type::Structure) fail("'" + name + "' has no parts");
+        Json whole = node.get<parameter::Structure>(name).json;
+        if (whole.is_string() && !parameter.shorthand.empty()) whole = Json{{parameter.shorthand, whole}};
+        Json* parent = &whole;
+        for (const std::string& key : keys.first(keys.size() - 1))
+            parent = &member(*parent, key);
+        const Json value = jsonOrText();
+        if (value.is_null())
+            remove(*parent, keys.back());
+        else
+            member(*parent, keys.back()) = value;
+        return node.set(name, parameter::Structure{std::move(whole)}, context_.base);
+    }
+
+    static std::size_t elementOf(const Json& list, const std::string& key) {
+        const bool digits = std::all_of(key.begin(), key.end(), [](char c) { return c >= '0' && c <= '9'; });
+        if (!digits) fail("expected a number of an element, got " + inQuotes(key));
+        const std::size_t index = key.size() > 6 ? std::size_t{1'000'000} : std::stoul(key);
+        if (index > list.size())
+            fail("there is no element " + key, std::to_string(list.size()) + " there, counted from 0");
+        return index;
+    }
+
+    /// A member or element; a new one where it is missing, as the last one of a list.
+    static Json& member(Json& parent, const std::string& key) {
+        if (parent.is_array()) {
+            const std::size_t index = elementOf(parent, key);
+            if (index == parent.size()) parent.push_back(nullptr);
+            return parent[index];
+        }
+        if (!parent.is_object() && !parent.is_null()) fail("there is nothing inside " + inQuotes(parent.dump()));
+        return parent[key];
+    }
+
+    static void remove(Json& parent, const std::string& key) {
+        if (parent.is_array()) {
+            const std::size_t index = elementOf(parent, key);
+            if (index < parent.size()) parent.erase(parent.begin() + static_cast<std::ptrdiff_t>(index));
+        } else if (parent.is_object()) {
+            parent.erase(key);
+        }
+    }
+
+    /// JSON where the input is JSON, else a text.
+    Json jsonOrText() const {
+        if (const auto* given = std::get_if<const Json*>(&input_)) return **given;
+        const std::string_view words = std::get<std::string_view>(input_);
+        Json value = Json::parse(words.begin(), words.end(), nullptr, false);
+        return value.is_discarded() ? Json(std::string(words)) : value;
     }
 
     std::shared_ptr<const NodeType> typeNamed(const std::string& role) const {

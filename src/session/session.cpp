@@ -90,6 +90,15 @@ glm::ivec2 Session::size() const {
     return sizeOf(scene_);
 }
 
+void Session::frame(const render::Subject& subject, glm::ivec2 size) {
+    const auto bounds = subject.bounds();
+    if (!bounds || bounds->radius <= 0.0) return;
+    if (scene_.camera != scene::Scene(scene_.sharedCatalogue()).camera) return;
+    scene::Camera camera(scene_.camera);
+    camera.frame(bounds->center, bounds->radius, static_cast<double>(size.x) / size.y, bounds->front);
+    scene_.camera = camera.node();
+}
+
 void Session::apply(parameter::Invalidates what, bool sizeChanged) {
     using parameter::Invalidates;
     if (what == Invalidates::Nothing && !sizeChanged) return;
@@ -107,7 +116,11 @@ void Session::apply(parameter::Invalidates what, bool sizeChanged) {
                 if (type.node.name == name) subject = type.create();
             }
         }
-        const render::Subject& current = subject ? *subject : *subject_;
+        render::Subject& current = subject ? *subject : *subject_;
+        if (what == Invalidates::Program || what == Invalidates::Samples || subject) {
+            current.prepare(context_, scene_);
+            frame(current, size);
+        }
         if (what == Invalidates::Program || sizeChanged || subject) {
             renderer = render::makeRenderer(context_, cache_, build_, scene_, current, size);
         }
@@ -162,6 +175,7 @@ parameter::Invalidates Session::replace(scene::Scene scene, parameter::Invalidat
         apply(what, sizeChanged);
     } catch (...) {
         std::swap(scene, scene_);
+        if (scene_.subject.type().name == subjectName_) subject_->prepare(context_, scene_);
         throw;
     }
     return what;
@@ -215,6 +229,7 @@ void Session::keepPicture() {
     present();
     std::swap(picture_, before_);
     cameraBefore_ = camera();
+    scaleBefore_ = 1.0;
     viewBefore_ = std::make_unique<render::View>(scene_, size());
 }
 
@@ -319,14 +334,18 @@ bool Session::advance(double remaining, bool mustWork) {
         prepassGovernor_.report(static_cast<std::int64_t>(region.size.x) * region.size.y, seconds);
         return true;
     }
+    const auto sample = static_cast<std::uint32_t>(samples_ + scene_.output.integer("first_sample"));
+    if (renderer_->drawDue(sample)) {
+        if (!mustWork && remaining < 1.2 * drawSeconds_) return false;
+        drawSeconds_ = timed("draw", [&] { renderer_->draw(sample); });
+        return true;
+    }
     std::int64_t pixels = governor_.next(remaining, mustWork);
     if (options_.tilePixels > 0) pixels = std::min(pixels, options_.tilePixels);
     if (pixels <= 0) return false;
     const gpu::Region region = cursor_.take(pixels);
-    const double seconds = timed("generate", [&] {
-        const auto sample = static_cast<std::uint32_t>(samples_ + scene_.output.integer("first_sample"));
-        renderer_->generate(sample, interleave_, interleave_.offset(block_), region);
-    });
+    const double seconds =
+        timed("generate", [&] { renderer_->generate(sample, interleave_, interleave_.offset(block_), region); });
     const std::int64_t done = static_cast<std::int64_t>(region.size.x) * region.size.y;
     governor_.report(done, seconds);
     statistics_.pixels += done;
@@ -398,7 +417,7 @@ void Session::present() {
         const float share = samples_ == 0
                                 ? kShareAtFirst
                                 : kShareAtFirst * (1.0F - static_cast<float>(samples_) / static_cast<float>(fading));
-        history.emplace(render::History{*before_, *viewBefore_, offset, share});
+        history.emplace(render::History{*before_, *viewBefore_, offset, static_cast<float>(scaleBefore_), share});
     }
     timed("present", [&] { renderer_->present(*picture_, interleave_, progress, history ? &*history : nullptr); });
     stale_ = false;
@@ -464,6 +483,26 @@ double Session::distanceToSurface() {
     return renderer_->lookAround(scene_, *subject_, glm::vec3(0.0F)).distance;
 }
 
+void Session::rebase() {
+    scene::Scene edited = scene_;
+    const std::optional<double> scale = subject_->rebase(edited);
+    if (!scale) return;
+    if (cameraBefore_) {
+        // The same place as before, in the new units from the camera.
+        const glm::dvec3 away = render::difference(cameraBefore_->position(), camera().position());
+        parameter::Decimal3 place = edited.camera.get<parameter::Decimal3>("position");
+        for (std::size_t i = 0; i < 3; ++i)
+            place[i] = place[i] + Decimal(*scale * away[static_cast<int>(i)]);
+        parameter::Node node = cameraBefore_->node();
+        node.set("position", place);
+        cameraBefore_.emplace(std::move(node));
+        scaleBefore_ *= *scale;
+    }
+    scene_ = std::move(edited);
+    renderer_->setScene(scene_, render::View(scene_, size()), *subject_);
+    stale_ = true;
+}
+
 bool Session::moveCamera(const scene::Camera& wanted) {
     const scene::Camera here = camera();
     const glm::dvec3 way = render::difference(wanted.position(), here.position());
@@ -472,6 +511,7 @@ bool Session::moveCamera(const scene::Camera& wanted) {
     const double part = stays ? 1.0 : renderer_->lookAround(scene_, *subject_, glm::vec3(way)).freePart;
     if (part >= 1.0) {
         setCamera(wanted);
+        if (!stays) rebase();
         return true;
     }
     parameter::Node node = wanted.node();
@@ -480,6 +520,7 @@ bool Session::moveCamera(const scene::Camera& wanted) {
         place[i] = place[i] + Decimal(part * way[static_cast<int>(i)]);
     node.set("position", place);
     setCamera(scene::Camera(std::move(node)));
+    rebase();
     return false;
 }
 

@@ -120,6 +120,53 @@ TEST(Tonemapper, aces_is_hills_fit) {
     expectCurve("aces", fit, 1e-4);
 }
 
+TEST(Tonemapper, range_is_a_window) {
+    const auto results = mapped("range", greys({1.0, 2.0, 3.0, 4.0, 9.0}), {{"low", 2.0}, {"high", 4.0}});
+    const std::array<double, 5> truth{0.0, 0.0, 0.5, 1.0, 1.0};
+    for (std::size_t i = 0; i < truth.size(); ++i)
+        EXPECT_NEAR(results[i].y, truth[i], 3e-6) << i;
+}
+
+TEST(Tonemapper, artistic_has_its_middle_half_way_and_its_saturation) {
+    const auto ends = mapped("artistic", greys({0.5, 2.0, 8.0}), {{"low", 0.5}, {"middle", 2.0}, {"high", 8.0}});
+    EXPECT_NEAR(ends[0].y, 0.0, 3e-6);
+    EXPECT_NEAR(ends[1].y, 0.5, 3e-6);
+    EXPECT_NEAR(ends[2].y, 1.0, 3e-6);
+    const auto grey = mapped("artistic", {glm::dvec3(0.1, 0.5, 0.2)}, {{"saturation", 0.0}});
+    EXPECT_NEAR(grey[0].x, grey[0].y, 3e-6);
+}
+
+TEST(Tonemapper, filmic_is_the_published_curve) {
+    expectCurve(
+        "filmic",
+        [](double c) {
+            const double x = std::max(0.0, c - 0.004);
+            return std::pow(x * (6.2 * x + 0.5) / (x * (6.2 * x + 1.7) + 0.06), 2.2);
+        },
+        2e-5);
+}
+
+TEST(Tonemapper, unreal_is_the_published_curve) {
+    expectCurve(
+        "unreal", [](double x) { return std::pow(std::min(1.019 * x / (x + 0.155), 1.0), 2.2); }, 2e-5);
+}
+
+TEST(Tonemapper, lottes_goes_through_its_grey_and_its_white) {
+    const auto results = mapped("lottes", greys({0.18, 7.9, 8.0}));
+    EXPECT_NEAR(results[0].y, 0.267, 1e-4);
+    EXPECT_LT(results[1].y, 0.9999);
+    EXPECT_NEAR(results[2].y, 1.0, 1e-4);
+}
+
+TEST(Tonemapper, uchimura_is_linear_between_toe_and_shoulder) {
+    const auto results = mapped("uchimura", greys({0.1, 0.3, 0.5, 1.0}));
+    EXPECT_LT(results[0].y, 0.1) << "the toe is darker";
+    EXPECT_NEAR(results[1].y, 0.3, 1e-5);
+    EXPECT_NEAR(results[2].y, 0.5, 1e-5);
+    // 1 - (P - S1) exp(-C2 (x - S0) / P) with S0 = S1 = 0.532, C2 = 1 / 0.468
+    EXPECT_NEAR(results[3].y, 1.0 - 0.468 * std::exp(-1.0), 1e-5);
+}
+
 TEST(Tonemapper, agx_is_the_published_curve) {
     // Wrensch's polynomial (2023) of Sobotka's curve is within 0.006 of it, as display values.
     const std::vector<double> values = ramp();

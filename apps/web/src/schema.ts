@@ -5,7 +5,7 @@ export type JsonObject = { [key: string]: Json };
 export type SceneDocument = JsonObject;
 
 export type ParameterType =
-    | 'bool' | 'int' | 'float' | 'vec2' | 'vec3' | 'vec4' | 'choice' | 'text' | 'decimal3' | 'module';
+    | 'bool' | 'int' | 'float' | 'vec2' | 'vec3' | 'vec4' | 'choice' | 'text' | 'decimal3' | 'module' | 'structure';
 
 export interface Parameter {
     name: string;
@@ -163,6 +163,8 @@ export function widgetOf(parameter: Parameter, schema: Schema): Widget {
     switch (parameter.type) {
         case 'bool':
             return { kind: 'toggle' };
+        case 'structure':
+            // Its texts are what is chosen from; whoever writes more of it has a document or an editor of its own.
         case 'choice':
             return {
                 kind: 'choice',

@@ -1,0 +1,250 @@
+#include "render/glsl/camera.glsl"
+#include "render/glsl/environment.glsl"
+#include "render/glsl/environment_distribution.glsl"
+#include "render/glsl/brdf.glsl"
+#include "render/glsl/medium.glsl"
+#include "render/glsl/phase.glsl"
+
+// Paths of light through a medium. Free flights by delta tracking (Woodcock et al. 1965) over local majorants, light by one ray for each
+// collision whose transmittance is estimated by ratio tracking (Novak, Selle & Jarosz 2014), combined with what paths meet by chance
+// (Veach & Guibas 1995). Absorption is a weight, not an end. All of it is one loop: each turn does the next event of whichever
+// ray is under way, so that neighbours never wait for each other's rays.
+
+// How paths are made: what renderers' parameters say.
+struct MediumPaths {
+    int bounces;    // most collisions
+    int roulette;   // collisions after which dim paths may end
+    int sampling;   // 0 both, 1 lights alone, 2 scattering alone
+    int brdf;       // of borders
+    float limit;    // most radiance of indirect light in one sample; 0: none
+};
+
+uint medium_random = 0u; // state of the numbers that are not worth a sequence of their own
+
+// A permuted congruential generator (O'Neill 2014; Jarzynski & Olano 2020).
+float medium_number() {
+    medium_random = medium_random * 747796405u + 2891336453u;
+    uint word = ((medium_random >> ((medium_random >> 28) + 4u)) ^ medium_random) * 277803737u;
+    return random_unit((word >> 22) ^ word);
+}
+
+float medium_heuristic(float own, float other) {
+    float ratio = other / max(own, 1e-20);
+    return 1.0 / (1.0 + ratio * ratio);
+}
+
+vec3 medium_limited(vec3 light, bool indirect, float limit) {
+    float most = max(light.r, max(light.g, light.b));
+    return indirect && limit > 0.0 && most > limit ? light * (limit / most) : light;
+}
+
+// Light of number k (light_count: the environment) from one direction of it.
+vec3 medium_light(int k, vec3 position, vec2 u, out vec3 direction, out float distance, out float pdf, out bool sharp) {
+    sharp = false;
+    if (k == light_count) {
+        direction = environment_sample(u, pdf);
+        distance = 1e30;
+        return environment_at(direction) / pdf;
+    }
+    LightSample light = light_at(k, position);
+    sharp = light_sharp(light);
+    pdf = light_pdf(light);
+    light = light_sample(light, u);
+    direction = light.direction;
+    distance = light.distance;
+    return light.irradiance;
+}
+
+// An environment that is about the same everywhere is best found by chance: no ray for it is needed.
+bool medium_asks_environment(int sampling) { return sampling == 1 || (sampling == 0 && environment_peak > 4.0); }
+
+float medium_chance(int k, vec3 position, bool environment) {
+    if (k == light_count) return environment ? 3.0 * environment_mean() : 0.0;
+    return dot(light_at(k, position).irradiance, vec3(1.0)) * 0.0795774715;
+}
+
+void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 albedo) {
+    Ray ray = camera_sample(pixel);
+    radiance = vec4(0.0);
+    geometry = vec4(0.0);
+    albedo = vec4(0.0);
+    MediumRay path;
+    vec3 sum = vec3(0.0);
+    bool environment = medium_asks_environment(how.sampling);
+    medium_random = random_hash(uint(pixel.x) ^ random_hash(uint(pixel.y) ^ random_hash(random_sample ^ random_hash(random_seed ^ 0x6d656469u))));
+    // The first flight and the first collision have the sequences that converge fastest.
+    vec2 first_flight = random_pair(pixel, 16u);
+    vec2 first_scatter = random_pair(pixel, 17u);
+    vec2 first_light = random_pair(pixel, 18u);
+    float g = medium_anisotropy();
+
+    vec3 through = vec3(1.0); // what is left of light that comes along the path when it reaches the camera
+    int bounce = 0;           // collisions so far
+    float pdf = 0.0;          // of the path's direction by scattering
+    float chances = 0.0;      // of all lights where it comes from
+    vec3 from = vec3(0.0);    // that place
+    bool asking = false;      // the ray under way goes to a light
+    vec3 light = vec3(0.0);   // what that brings if nothing is in the way
+    vec3 next = vec3(0.0);    // where the path goes on to then
+    float left = 1.0;         // transmittance so far of the way to the light
+
+    float depth = -log(1.0 - first_flight.x); // optical depth up to the next event
+    bool inside = medium_enter(ray, path);
+    float t = ray.t_min;
+    bool alive = true;
+    for (int i = 0; i < 100000 && alive; ++i) {
+        bool event = false;
+        bool gone = !inside;
+        float majorant = 0.0;
+        for (int k = 0; k < 4 && !event && !gone; ++k) {
+            float border;
+            medium_segment(path, t, border, majorant);
+            border = min(border, ray.t_max);
+            float reach = t + depth / max(majorant, 1e-30);
+            event = reach < border;
+            depth -= event ? 0.0 : majorant * (border - t);
+            t = event ? reach : border;
+            gone = !event && t >= ray.t_max;
+        }
+        bool collided = false;
+        if (event) {
+            float part = clamp(medium_extinction(path.origin + t * path.direction) / majorant, 0.0, 1.0);
+            depth = -log(1.0 - medium_number());
+            float u = bounce == 0 && !asking && first_flight.y >= 0.0 ? first_flight.y : medium_number();
+            first_flight.y = -1.0;
+            if (asking) {
+                left *= 1.0 - part;
+                // Little light is either brought in fewer, stronger parts or not at all.
+                if (left < 0.25) {
+                    left = u < 4.0 * left ? 0.25 : 0.0;
+                    gone = left <= 0.0;
+                }
+            } else {
+                collided = u < part;
+            }
+        }
+        // Loops of one turn instead of ifs, which processors without a GPU skip.
+        bool again = false; // a ray begins at `from`, to `next`
+        for (int n = 0; n < int(gone && asking); ++n) {
+            sum += medium_limited(light * left, bounce > 1, how.limit);
+            asking = false;
+            ray.direction = next;
+            ray.t_max = 1e30;
+            again = true;
+        }
+        for (int n = 0; n < int(gone && !again); ++n) {
+            // The path leaves: it meets the environment, and lights that it happens to hit.
+            vec3 met = vec3(0.0);
+            bool camera = bounce == 0;
+            float weight = 1.0;
+            if (!camera && environment && how.sampling == 0) {
+                float other = environment_pdf(ray.direction) * medium_chance(light_count, from, environment) / max(chances, 1e-30);
+                weight = medium_heuristic(pdf, other);
+            }
+            if (how.sampling != 1 || camera) met = weight * environment_at(ray.direction);
+            for (int k = 0; k < light_count && !camera && how.sampling != 1; ++k) {
+                LightSample lamp = light_at(k, from);
+                float distance;
+                vec3 seen = light_radiance(lamp, ray.direction, distance);
+                if (seen == vec3(0.0)) continue;
+                float other = light_pdf(lamp) * medium_chance(k, from, environment) / max(chances, 1e-30);
+                met += seen * (how.sampling == 2 ? 1.0 : medium_heuristic(pdf, other));
+            }
+            radiance.a = camera && environment_transparent ? 0.0 : 1.0;
+            if (radiance.a > 0.0) sum += medium_limited(through * met, bounce > 1, how.limit);
+            alive = false;
+        }
+        // A path whose last flight ends in the medium brings nothing more.
+        alive = alive && !(collided && bounce >= how.bounces);
+        for (int n = 0; n < int(collided && alive); ++n) {
+            vec3 place = path.origin + t * path.direction;
+            from = ray.origin + t * ray.direction;
+            Medium m = medium_at(place);
+            if (bounce == 0) {
+                bool border = dot(m.normal, m.normal) > 0.0;
+                geometry = vec4(border ? m.normal : -ray.direction, t);
+                albedo = vec4(m.albedo, 1.0);
+                radiance.a = 1.0;
+            }
+            sum += medium_limited(through * m.emission, bounce > 1, how.limit);
+            through *= m.albedo;
+            ++bounce;
+            float survival = bounce > how.roulette ? min(max(through.r, max(through.g, through.b)), 1.0) : 1.0;
+            bool ends = medium_number() >= survival || max(through.r, max(through.g, through.b)) <= 0.0;
+            through /= max(survival, 1e-20);
+
+            vec2 u_scatter = bounce == 1 ? first_scatter : vec2(medium_number(), medium_number());
+            vec2 u_light = bounce == 1 ? first_light : vec2(medium_number(), medium_number());
+            float u_choice = medium_number();
+            // A border scatters as a surface, or as haze.
+            bool surface = m.surface > 0.0 && medium_number() < m.surface;
+            vec3 view = -ray.direction;
+            vec3 normal = dot(m.normal, view) < 0.0 ? -m.normal : m.normal;
+            Material material = Material(vec3(1.0), 0.5, 0.0, vec3(0.0));
+            float gloss = 0.0;
+            if (surface) {
+                float behind = 1e-3 - dot(normal, view);
+                if (behind > 0.0) view = normalize(view + behind * normal);
+                gloss = brdf_gloss(how.brdf, material, normal, view);
+            }
+            // A light, by its chance.
+            int chosen = -1;
+            float chance = 0.0;
+            chances = 0.0;
+            for (int k = 0; k <= light_count && how.sampling != 2; ++k) {
+                float weight = medium_chance(k, from, environment);
+                chances += weight;
+                if (weight <= 0.0) continue;
+                float p = weight / chances;
+                if (u_choice < p) {
+                    chosen = k;
+                    chance = weight;
+                    u_choice /= p;
+                } else {
+                    u_choice = (u_choice - p) / (1.0 - p);
+                }
+            }
+            light = vec3(0.0);
+            vec3 towards = vec3(0.0);
+            float distance = 0.0;
+            for (int j = 0; j < int(chosen >= 0); ++j) {
+                float part = chance / chances;
+                float light_density;
+                bool sharp;
+                vec3 arriving = medium_light(chosen, from, u_light, towards, distance, light_density, sharp);
+                float cosine = dot(ray.direction, towards);
+                vec3 value = surface ? brdf_value(how.brdf, material, normal, view, towards) : vec3(phase_value(g, cosine));
+                float own = surface ? brdf_pdf(how.brdf, gloss, material, normal, view, towards) : value.x;
+                float weight = sharp || how.sampling == 1 ? 1.0 : medium_heuristic(part * light_density, own);
+                light = through * value * arriving * (weight / part);
+            }
+            // Where the path goes on.
+            if (surface) {
+                next = brdf_sample(how.brdf, gloss, material, normal, view, u_scatter, medium_number());
+                pdf = brdf_pdf(how.brdf, gloss, material, normal, view, next);
+                vec3 value = brdf_value(how.brdf, material, normal, view, next);
+                through *= pdf > 0.0 ? value / pdf : vec3(0.0);
+            } else {
+                next = phase_sample(g, ray.direction, u_scatter);
+                pdf = phase_value(g, dot(ray.direction, next));
+            }
+            asking = max(light.r, max(light.g, light.b)) > 0.0;
+            ray.direction = asking ? towards : next;
+            ray.t_max = asking ? distance : 1e30;
+            left = 1.0;
+            alive = !ends;
+            again = true;
+        }
+        for (int n = 0; n < int(again && alive); ++n) {
+            ray.origin = from;
+            ray.t_min = 0.0;
+            t = 0.0;
+            inside = medium_enter(ray, path);
+            depth = -log(1.0 - medium_number());
+            // Light is still brought to the last collision; the path does not go further.
+            alive = asking || (bounce < how.bounces || how.sampling != 1);
+        }
+    }
+    bool finite = !any(isnan(sum)) && !any(isinf(sum));
+    radiance.rgb = finite ? sum : vec3(0.0);
+}

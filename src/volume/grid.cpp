@@ -1,0 +1,260 @@
+#include "volume/grid.hpp"
+
+#include "volume/voxels.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace apeiron::volume {
+namespace {
+
+std::size_t sliceVoxels(const Volume& volume) {
+    return static_cast<std::size_t>(volume.size.x) * static_cast<std::size_t>(volume.size.y);
+}
+
+/// The first voxel of a slice, counted in voxels.
+std::size_t sliceOffset(const Volume& volume, int time, int channel, int z) {
+    return channelOffset(volume, channel, time) + static_cast<std::size_t>(z) * sliceVoxels(volume);
+}
+
+bool isByte(VoxelType type) {
+    return type == VoxelType::UInt8 || type == VoxelType::Int8;
+}
+
+enum class Texel { Byte, Half, Single };
+
+Texel texelOf(const Volume& volume, const BrickRanges& ranges) {
+    if (isByte(volume.type)) return Texel::Byte;
+    if (volume.type == VoxelType::Float16) return Texel::Half;
+    if (volume.type == VoxelType::Float32) return Texel::Single;
+    // Half floats hold every whole number up to 2048.
+    const bool exact = std::all_of(ranges.ranges.begin(), ranges.ranges.end(),
+                                   [](glm::vec2 r) { return r.x >= -2048.0F && r.y <= 2048.0F; });
+    return exact ? Texel::Half : Texel::Single;
+}
+
+gpu::GridFormat formatOf(Texel texel, int channels) {
+    using gpu::GridFormat;
+    static constexpr std::array kFormats{GridFormat::R8,   GridFormat::RG8,   GridFormat::RGBA8,
+                                         GridFormat::R16F, GridFormat::RG16F, GridFormat::RGBA16F,
+                                         GridFormat::R32F, GridFormat::RG32F, GridFormat::RGBA32F};
+    const std::size_t column = channels == 1 ? 0 : (channels == 2 ? 1 : 2);
+    return kFormats[3 * static_cast<std::size_t>(texel) + column];
+}
+
+/// The largest of any range of a table (a sparse table: Bender & Farach-Colton 2000).
+class RangeMaximum {
+  public:
+    explicit RangeMaximum(std::span<const float> values) {
+        levels_.emplace_back(values.begin(), values.end());
+        for (std::size_t half = 1; 2 * half <= values.size(); half *= 2) {
+            const std::vector<float>& below = levels_.back();
+            std::vector<float> level(values.size() - 2 * half + 1);
+            for (std::size_t i = 0; i < level.size(); ++i)
+                level[i] = std::max(below[i], below[i + half]);
+            levels_.push_back(std::move(level));
+        }
+    }
+    /// Of [first, last]. @pre first <= last < size
+    float operator()(std::size_t first, std::size_t last) const {
+        std::size_t level = 0;
+        while ((std::size_t{2} << level) <= last - first + 1)
+            ++level;
+        const std::vector<float>& values = levels_[level];
+        return std::max(values[first], values[last + 1 - (std::size_t{1} << level)]);
+    }
+
+  private:
+    std::vector<std::vector<float>> levels_;
+};
+
+/// For each brick with nothing in it, how many there are to the nearest one with something, to any side, as a negative
+/// number: by chamfer passes, which are exact for Chebyshev's distance (Rosenfeld & Pfaltz 1968).
+void markFree(std::vector<float>& bricks, glm::ivec3 size) {
+    const auto index = [&](int x, int y, int z) {
+        return (static_cast<std::size_t>(z) * static_cast<std::size_t>(size.y) + static_cast<std::size_t>(y)) *
+                   static_cast<std::size_t>(size.x) +
+               static_cast<std::size_t>(x);
+    };
+    const int most = std::max({size.x, size.y, size.z});
+    std::vector<int> distance(bricks.size());
+    for (std::size_t i = 0; i < bricks.size(); ++i)
+        distance[i] = bricks[i] > 0.0F ? 0 : most;
+    const auto pass = [&](int direction) {
+        for (int n = 0; n < size.z; ++n) {
+            const int z = direction > 0 ? n : size.z - 1 - n;
+            for (int m = 0; m < size.y; ++m) {
+                const int y = direction > 0 ? m : size.y - 1 - m;
+                for (int k = 0; k < size.x; ++k) {
+                    const int x = direction > 0 ? k : size.x - 1 - k;
+                    int& here = distance[index(x, y, z)];
+                    if (here == 0) continue;
+                    // The 13 neighbours that come before this one in the order of the pass.
+                    for (int i = 0; i < 13; ++i) {
+                        const int a = x + direction * (i % 3 - 1);
+                        const int b = y + direction * (i / 3 % 3 - 1);
+                        const int c = z + direction * (i / 9 - 1);
+                        if (a < 0 || b < 0 || c < 0 || a >= size.x || b >= size.y || c >= size.z) continue;
+                        here = std::min(here, distance[index(a, b, c)] + 1);
+                    }
+                }
+            }
+        }
+    };
+    pass(1);
+    pass(-1);
+    for (std::size_t i = 0; i < bricks.size(); ++i) {
+        if (distance[i] > 0) bricks[i] = -static_cast<float>(distance[i]);
+    }
+}
+
+} // namespace
+
+void readSlice(const Volume& volume, int time, int channel, int z, std::span<float> out, std::size_t stride) {
+    const std::size_t count = sliceVoxels(volume);
+    assert(out.size() >= (count - 1) * stride + 1);
+    visitVoxels(volume, sliceOffset(volume, time, channel, z), [&](const auto* voxels) {
+        for (std::size_t i = 0; i < count; ++i) {
+            const float value = number(voxels[i]);
+            out[i * stride] = std::isfinite(value) ? value : 0.0F;
+        }
+    });
+}
+
+BrickRanges brickRanges(const Volume& volume, int time, int side) {
+    assert(side >= 1);
+    BrickRanges result;
+    result.side = side;
+    result.size = (volume.size + side - 1) / side;
+    result.channels = volume.channels;
+    const auto bricks = static_cast<std::size_t>(result.size.x) * static_cast<std::size_t>(result.size.y) *
+                        static_cast<std::size_t>(result.size.z);
+    constexpr float kMost = std::numeric_limits<float>::max();
+    result.ranges.assign(bricks * static_cast<std::size_t>(volume.channels), glm::vec2(kMost, -kMost));
+    const auto width = static_cast<std::size_t>(volume.size.x);
+    std::vector<float> values(sliceVoxels(volume));
+    // Of a row of voxels, by bricks; then of the rows of a slice. A voxel counts for every brick that it is next to.
+    std::vector<glm::vec2> row(static_cast<std::size_t>(result.size.x));
+    std::vector<glm::vec2> plane(row.size() * static_cast<std::size_t>(result.size.y));
+    const auto widen = [](glm::vec2& range, glm::vec2 other) {
+        range = {std::min(range.x, other.x), std::max(range.y, other.y)};
+    };
+    const auto first = [&](int i) { return std::max((i - 1) / side, 0); };
+    const auto last = [&](int i, int count) { return std::min((i + 1) / side, count - 1); };
+    for (int channel = 0; channel < volume.channels; ++channel) {
+        for (int z = 0; z < volume.size.z; ++z) {
+            readSlice(volume, time, channel, z, values);
+            std::fill(plane.begin(), plane.end(), glm::vec2(kMost, -kMost));
+            for (int y = 0; y < volume.size.y; ++y) {
+                const float* line = &values[static_cast<std::size_t>(y) * width];
+                for (int b = 0; b < result.size.x; ++b) {
+                    const auto begin = static_cast<std::size_t>(std::max(b * side - 1, 0));
+                    const auto end = std::min(static_cast<std::size_t>((b + 1) * side + 1), width);
+                    const auto [low, high] = std::minmax_element(line + begin, line + end);
+                    row[static_cast<std::size_t>(b)] = {*low, *high};
+                }
+                for (int b = first(y); b <= last(y, result.size.y); ++b) {
+                    for (std::size_t x = 0; x < row.size(); ++x)
+                        widen(plane[static_cast<std::size_t>(b) * row.size() + x], row[x]);
+                }
+            }
+            for (int b = first(z); b <= last(z, result.size.z); ++b) {
+                glm::vec2* to = &result.ranges[static_cast<std::size_t>(channel) * bricks +
+                                               static_cast<std::size_t>(b) * plane.size()];
+                for (std::size_t i = 0; i < plane.size(); ++i)
+                    widen(to[i], plane[i]);
+            }
+        }
+    }
+    return result;
+}
+
+GridTexture uploadGrid(const gpu::Context& context, const Volume& volume, int time, const BrickRanges& ranges) {
+    const Texel texel = texelOf(volume, ranges);
+    const gpu::GridFormat format = formatOf(texel, volume.channels);
+    GridTexture grid;
+    grid.texture = gpu::Texture3D(context, format, volume.size, "volume " + volume.name);
+    if (texel == Texel::Byte) {
+        grid.scale = 255;
+        grid.offset = volume.type == VoxelType::Int8 ? -128 : 0;
+    }
+    const auto stride = static_cast<std::size_t>(gpu::channelsOf(format));
+    const std::size_t count = sliceVoxels(volume) * stride;
+    const std::size_t bytes = static_cast<std::size_t>(gpu::bytesPerTexel(format)) / stride;
+    std::vector<float> values(count);
+    std::vector<std::byte> texels(count * bytes);
+    for (int z = 0; z < volume.size.z; ++z) {
+        if (stride == 1 && volume.type == VoxelType::UInt8) {
+            grid.texture.upload({volume.voxels.data() + sliceOffset(volume, time, 0, z), count}, z, 1);
+            continue;
+        }
+        for (int channel = 0; channel < volume.channels; ++channel)
+            readSlice(volume, time, channel, z, std::span(values).subspan(static_cast<std::size_t>(channel)), stride);
+        for (std::size_t i = 0; i < count; ++i) {
+            std::byte* to = &texels[i * bytes];
+            if (texel == Texel::Byte) {
+                *to = static_cast<std::byte>(static_cast<int>(values[i]) - static_cast<int>(grid.offset));
+            } else if (texel == Texel::Half) {
+                const Half half = toHalf(values[i]);
+                std::memcpy(to, &half.bits, sizeof half.bits);
+            } else {
+                std::memcpy(to, &values[i], sizeof(float));
+            }
+        }
+        grid.texture.upload(texels, z, 1);
+    }
+    context.check("uploading the volume");
+    return grid;
+}
+
+std::vector<float> majorants(const BrickRanges& ranges, std::span<const float> tables, std::size_t width,
+                             std::span<const glm::dvec2> lookup) {
+    const auto channels = static_cast<std::size_t>(ranges.channels);
+    assert(tables.size() == width * channels && lookup.size() == channels);
+    const std::size_t bricks = ranges.ranges.size() / channels;
+    std::vector<float> result(bricks, 0.0F);
+    for (std::size_t channel = 0; channel < channels; ++channel) {
+        const RangeMaximum maximum(tables.subspan(channel * width, width));
+        const auto texel = [&](float value) {
+            const double place = lookup[channel].x * static_cast<double>(value) + lookup[channel].y;
+            return std::clamp(place, 0.0, 1.0) * static_cast<double>(width - 1) + 0.5;
+        };
+        for (std::size_t i = 0; i < bricks; ++i) {
+            const glm::vec2 range = ranges.ranges[channel * bricks + i];
+            double low = texel(range.x);
+            double high = texel(range.y);
+            if (low > high) std::swap(low, high);
+            // The shader's single precision may end up in the texel before or behind.
+            const auto last = static_cast<double>(width - 1);
+            const auto from = static_cast<std::size_t>(std::clamp(std::floor(low - 1e-2), 0.0, last));
+            const auto to = static_cast<std::size_t>(std::clamp(std::floor(high + 1e-2), 0.0, last));
+            result[i] += maximum(from, to);
+        }
+    }
+    markFree(result, ranges.size);
+    return result;
+}
+
+std::vector<float> crossings(const BrickRanges& ranges, double place, std::span<const glm::dvec2> lookup) {
+    const auto channels = static_cast<std::size_t>(ranges.channels);
+    assert(lookup.size() == channels);
+    const std::size_t bricks = ranges.ranges.size() / channels;
+    std::vector<float> result(bricks, 0.0F);
+    for (std::size_t channel = 0; channel < channels; ++channel) {
+        for (std::size_t i = 0; i < bricks; ++i) {
+            const glm::dvec2 range(ranges.ranges[channel * bricks + i]);
+            const double a = lookup[channel].x * range.x + lookup[channel].y;
+            const double b = lookup[channel].x * range.y + lookup[channel].y;
+            // With some room for single precision.
+            if (std::min(a, b) <= place + 1e-5 && std::max(a, b) >= place - 1e-5) result[i] = 1.0F;
+        }
+    }
+    markFree(result, ranges.size);
+    return result;
+}
+
+} // namespace apeiron::volume

@@ -1,0 +1,234 @@
+#include "render/glsl/field.glsl"
+#include "render/glsl/medium.glsl"
+
+// A measured volume as `field` and `medium`: values interpolated between voxels, then looked up in the transfer function. Its own
+// coordinates are those of the grid: voxel (i, j, k) is the box from (i, j, k) to (i, j, k) + 1, its centre in the middle.
+//
+// The engine adds: const int volume_channels; const bool volume_manual; const float volume_brick.
+
+uniform float density;    //! 100 [0, 1e6] log | Extinction where the transfer function's opacity is 1, per longest side of the volume
+uniform float anisotropy; //! 0 [-0.99, 0.99] | Mean cosine of scattering: below 0 back, 0 to all sides, above 0 forwards (Henyey & Greenstein)
+uniform float emission;   //! 0 [0, 1000] log | Radiance that a thick layer gives off by itself, in its colour
+uniform float surfaces;   //! 0 [0, 100] log | How soon borders scatter as surfaces do instead of as haze (by their gradient); 0: never
+
+uniform sampler3D volume_data;     // stored values, up to 4 channels
+uniform sampler3D volume_bricks;   // largest opacity in each brick; -n: nothing in the n bricks around it, itself included
+uniform sampler2D volume_transfer; // colour and opacity: value along x, one block of rows for each channel
+uniform mat3 volume_to_grid;       // from world to grid
+uniform vec3 volume_camera;        // grid coordinates of the camera
+uniform vec3 volume_size;          // [voxels]
+uniform vec4 volume_scale;         // a stored value times this ...
+uniform vec4 volume_offset;        // ... plus this is its place in the transfer function, 0..1 (of each channel)
+uniform vec4 volume_gradient;      // a gradient's length [places per world unit] times this is its place in the transfer function, 0..1
+uniform int volume_rows;           // of the transfer function for each channel; 1: gradients have no part in it
+uniform bool volume_glows;         // whether there is light of the volume's own
+uniform sampler2D volume_glow;     // radiance that a thick layer gives off by itself, as the transfer function is
+uniform float volume_unit;         // 1 / longest side [1/world unit]
+uniform float volume_spacing;      // least distance of neighbouring voxels [world unit]
+
+vec3 volume_place(vec3 position) { return volume_to_grid * position + volume_camera; }
+
+vec4 volume_texel(ivec3 at) { return texelFetch(volume_data, clamp(at, ivec3(0), ivec3(volume_size) - 1), 0); }
+
+// Stored values between voxels.
+vec4 volume_stored(vec3 place) {
+    if (!volume_manual) return textureLod(volume_data, place / volume_size, 0.0);
+    vec3 p = place - 0.5;
+    vec3 cell = floor(p);
+    vec3 f = p - cell;
+    ivec3 c = ivec3(cell);
+    vec4 low = mix(mix(volume_texel(c), volume_texel(c + ivec3(1, 0, 0)), f.x),
+                   mix(volume_texel(c + ivec3(0, 1, 0)), volume_texel(c + ivec3(1, 1, 0)), f.x), f.y);
+    vec4 high = mix(mix(volume_texel(c + ivec3(0, 0, 1)), volume_texel(c + ivec3(1, 0, 1)), f.x),
+                    mix(volume_texel(c + ivec3(0, 1, 1)), volume_texel(c + ivec3(1, 1, 1)), f.x), f.y);
+    return mix(low, high, f.z);
+}
+
+// Places in the transfer function, 0..1.
+vec4 volume_values(vec3 place) { return volume_stored(place) * volume_scale + volume_offset; }
+
+float volume_largest(vec4 values) {
+    float most = values.x;
+    if (volume_channels > 1) most = max(most, values.y);
+    if (volume_channels > 2) most = max(most, values.z);
+    if (volume_channels > 3) most = max(most, values.w);
+    return most;
+}
+
+// Differences of two neighbours, one voxel away: per grid unit, in the places of the transfer function.
+vec3 volume_slope(vec3 place, int channel) {
+    vec3 slope;
+    for (int i = 0; i < 3; ++i) {
+        vec3 aside = vec3(i == 0, i == 1, i == 2);
+        vec4 d = volume_stored(place + aside) - volume_stored(place - aside);
+        slope[i] = 0.5 * d[channel] * volume_scale[channel];
+    }
+    return slope;
+}
+
+// The gradient in world space of the sum of all channels.
+vec3 volume_world_gradient(vec3 place) {
+    vec3 slope;
+    for (int i = 0; i < 3; ++i) {
+        vec3 aside = vec3(i == 0, i == 1, i == 2);
+        vec4 d = (volume_stored(place + aside) - volume_stored(place - aside)) * volume_scale;
+        float sum = d.x;
+        if (volume_channels > 1) sum += d.y;
+        if (volume_channels > 2) sum += d.z;
+        if (volume_channels > 3) sum += d.w;
+        slope[i] = 0.5 * sum;
+    }
+    return slope * volume_to_grid;
+}
+
+// The texel of the transfer function that is nearest to a value and a gradient, both 0..1 over its domain.
+ivec2 volume_entry(int channel, float value, float gradient) {
+    int width = textureSize(volume_transfer, 0).x;
+    int x = int(clamp(value, 0.0, 1.0) * float(width - 1) + 0.5);
+    int y = int(clamp(gradient, 0.0, 1.0) * float(volume_rows - 1) + 0.5);
+    return ivec2(x, channel * volume_rows + y);
+}
+
+vec4 volume_lookup(int channel, float value, float gradient) {
+    return texelFetch(volume_transfer, volume_entry(channel, value, gradient), 0);
+}
+
+// The gradient's place in the transfer function, where that has a use for it.
+float volume_steepness(vec3 place, int channel) {
+    float steepness = 0.0;
+    for (int i = 0; i < int(volume_rows > 1); ++i)
+        steepness = length(volume_slope(place, channel) * volume_to_grid) * volume_gradient[channel];
+    return steepness;
+}
+
+// Colour, and opacity: those of all channels add, and their colours mix by them.
+vec4 volume_appearance(vec3 place) {
+    vec4 values = volume_values(place);
+    vec4 sum = vec4(0.0);
+    for (int i = 0; i < volume_channels; ++i) {
+        vec4 seen = volume_lookup(i, values[i], volume_steepness(place, i));
+        if (volume_channels == 1) return seen;
+        sum += vec4(seen.rgb * seen.a, seen.a);
+    }
+    return vec4(sum.rgb / max(sum.a, 1e-20), sum.a);
+}
+
+// Light of the volume's own: the glow of all channels, weighted by their opacities, and the part of the colour that is set.
+vec3 volume_emission(vec3 place, vec4 seen) {
+    vec3 sum = vec3(0.0);
+    for (int n = 0; n < int(volume_glows && seen.a > 0.0); ++n) {
+        vec4 values = volume_values(place);
+        for (int i = 0; i < volume_channels; ++i) {
+            ivec2 entry = volume_entry(i, values[i], volume_steepness(place, i));
+            float part = volume_channels == 1 ? 1.0 : texelFetch(volume_transfer, entry, 0).a / seen.a;
+            sum += part * texelFetch(volume_glow, entry, 0).rgb;
+        }
+    }
+    return sum + emission * seen.rgb;
+}
+
+// Cuts the ray to the grid's box; false when it misses.
+bool volume_enter(inout Ray ray, out MediumRay path) {
+    path.origin = volume_place(ray.origin);
+    path.direction = volume_to_grid * ray.direction;
+    // Directions along an axis: a tiny one instead of 0, whose inverse is a number.
+    vec3 d = path.direction;
+    float least = 1e-9 * max(abs(d.x), max(abs(d.y), abs(d.z)));
+    d = mix(d, vec3(least), lessThan(abs(d), vec3(least)));
+    path.inverse = 1.0 / d;
+    vec3 a = -path.origin * path.inverse;
+    vec3 b = (volume_size - path.origin) * path.inverse;
+    vec3 near = min(a, b);
+    vec3 far = max(a, b);
+    ray.t_min = max(ray.t_min, max(near.x, max(near.y, near.z)));
+    ray.t_max = min(ray.t_max, min(far.x, min(far.y, far.z)));
+    return ray.t_min < ray.t_max;
+}
+
+bool medium_enter(inout Ray ray, out MediumRay path) { return volume_enter(ray, path); }
+
+bool field_clip(inout Ray ray) {
+    MediumRay path;
+    return volume_enter(ray, path);
+}
+
+// Bricks are stepped through one by one, or several empty ones at once, from wherever t is (Amanatides & Woo 1987, without their state:
+// the next border follows from the place). `volume_nudge` takes a place on a border to its far side.
+const float volume_nudge = 2e-3;
+
+void volume_segment(sampler3D bricks, MediumRay path, float t, out float t_end, out float most) {
+    vec3 s = sign(path.inverse);
+    vec3 place = (path.origin + t * path.direction + volume_nudge * s) * (1.0 / volume_brick);
+    ivec3 last = textureSize(bricks, 0) - 1;
+    vec3 brick = clamp(floor(place), vec3(0.0), vec3(last));
+    most = texelFetch(bricks, ivec3(brick), 0).x;
+    float reach = max(-most, 1.0) - 1.0;
+    vec3 border = (brick + 0.5 + s * (0.5 + reach)) * volume_brick;
+    vec3 ends = (border - path.origin) * path.inverse;
+    t_end = max(min(ends.x, min(ends.y, ends.z)), t);
+    // Always on: where rounding leaves no way to the border, by a part of a voxel.
+    t_end = max(t_end, t + 0.25 * volume_nudge * volume_spacing);
+}
+
+void medium_segment(MediumRay path, float t, out float t_end, out float majorant) {
+    float most;
+    volume_segment(volume_bricks, path, t, t_end, most);
+    majorant = max(most, 0.0) * (density * volume_unit);
+}
+
+float medium_extinction(vec3 place) {
+    vec4 values = volume_values(place);
+    float sum = 0.0;
+    for (int i = 0; i < volume_channels; ++i) {
+        sum += volume_lookup(i, values[i], volume_steepness(place, i)).a;
+    }
+    return sum * (density * volume_unit);
+}
+
+Medium medium_at(vec3 place) {
+    vec4 seen = volume_appearance(place);
+    Medium m = Medium(seen.a * (density * volume_unit), seen.rgb, volume_emission(place, seen), vec3(0.0), 0.0);
+    for (int i = 0; i < int(surfaces > 0.0); ++i) {
+        vec3 gradient = volume_world_gradient(place);
+        float slope = length(gradient);
+        if (slope <= 0.0) continue;
+        m.normal = -gradient / slope;
+        // Kroes, Post & Botha (2012), eq. 4: the more opaque and the steeper, the more of a surface it is.
+        m.surface = seen.a * (1.0 - exp(-surfaces * slope / volume_unit * 0.02));
+    }
+    return m;
+}
+
+float medium_anisotropy() { return anisotropy; }
+
+vec4 field_bounds() {
+    mat3 to_world = inverse(volume_to_grid);
+    vec3 middle = to_world * (0.5 * volume_size - volume_camera);
+    vec3 half_diagonal = abs(to_world[0]) * volume_size.x + abs(to_world[1]) * volume_size.y + abs(to_world[2]) * volume_size.z;
+    return vec4(middle, 0.5 * length(half_diagonal));
+}
+
+float field_spacing() { return volume_spacing; }
+
+bool field_segment(Ray ray, float t, out float t_end) {
+    vec3 d = volume_to_grid * ray.direction;
+    vec3 inverse = 1.0 / mix(d, vec3(1e-12), lessThan(abs(d), vec3(1e-12)));
+    float majorant;
+    medium_segment(MediumRay(volume_place(ray.origin), d, inverse), t, t_end, majorant);
+    return majorant > 0.0;
+}
+
+float field_value(vec3 position) { return clamp(volume_largest(volume_values(volume_place(position))), 0.0, 1.0); }
+
+vec3 field_tint(float value) { return volume_lookup(0, value, 1.0).rgb; }
+
+vec4 field_color(vec3 position) {
+    vec4 seen = volume_appearance(volume_place(position));
+    return vec4(seen.rgb, seen.a * (density * volume_unit));
+}
+
+vec3 field_emission(vec3 position, vec4 color) {
+    return volume_emission(volume_place(position), vec4(color.rgb, color.a / max(density * volume_unit, 1e-30)));
+}
+
+vec3 field_gradient(vec3 position) { return volume_world_gradient(volume_place(position)); }
