@@ -101,7 +101,7 @@ RawForm parseRawForm(std::string_view text) {
     form.type = *type;
     for (std::size_t i = 2; i < parts.size(); ++i)
         readOption(parts[i], form);
-    byteSize(form, std::size_t{1} << 62);
+    byteSize(form, std::numeric_limits<std::size_t>::max());
     return form;
 }
 
@@ -123,7 +123,7 @@ void toNativeOrder(Volume& volume, const RawForm& form) {
 }
 
 Volume fromRaw(const RawForm& form, std::string_view bytes) {
-    const std::size_t wanted = byteSize(form, std::size_t{1} << 62);
+    const std::size_t wanted = byteSize(form, std::numeric_limits<std::size_t>::max());
     if (bytes.size() < form.offset || bytes.size() - form.offset < wanted)
         throw Error(ErrorKind::BadInput,
                     fmt::format("there are {} bytes, and {} are needed", bytes.size(), form.offset + wanted));

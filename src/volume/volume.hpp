@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -78,7 +79,7 @@ inline constexpr int kMaxEdge = 65'536;
 
 /// A volume of zeros, with voxels of 1 mm. @throws Error as byteSize() does, before anything is allocated.
 Volume makeVolume(glm::ivec3 size, VoxelType type, int channels = 1, int timePoints = 1,
-                  std::size_t limit = std::size_t{1} << 40);
+                  std::size_t limit = std::numeric_limits<std::size_t>::max());
 
 /// The value as measured (slope and intercept applied) at a voxel. @pre inside the volume
 double valueAt(const Volume& volume, glm::ivec3 voxel, int channel = 0, int time = 0);
