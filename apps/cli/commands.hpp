@@ -24,5 +24,6 @@ void addCheckCommand(CLI::App& app, Action& action);
 void addSchemaCommand(CLI::App& app, Action& action);
 void addMergeCommand(CLI::App& app, Action& action);
 void addBenchCommand(CLI::App& app, Action& action);
+void addTerrainCommand(CLI::App& app, Action& action);
 
 } // namespace apeiron::cli

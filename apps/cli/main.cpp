@@ -104,6 +104,7 @@ int run(int argc, char** argv) {
     addSchemaCommand(app, action);
     addMergeCommand(app, action);
     addBenchCommand(app, action);
+    addTerrainCommand(app, action);
     requireKnownCommand(app, argc, argv);
     try {
         app.parse(argc, argv);

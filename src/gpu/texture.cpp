@@ -135,6 +135,39 @@ void Texture::upload(std::span<const float> texels) {
     glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, size_.x, size_.y, f.format, f.type, texels.data());
 }
 
+void Texture::upload(glm::ivec2 origin, glm::ivec2 size, std::span<const float> texels) {
+    const FormatInfo f = info(format_);
+    assert(f.type == GL_FLOAT && texels.size() == static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
+                                                      static_cast<std::size_t>(f.channels));
+    glBindTexture(GL_TEXTURE_2D, name_);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    glTexSubImage2D(GL_TEXTURE_2D, 0, origin.x, origin.y, size.x, size.y, f.format, f.type, texels.data());
+}
+
+void Texture::upload(glm::ivec2 origin, glm::ivec2 size, std::span<const std::int32_t> texels) {
+    const FormatInfo f = info(format_);
+    assert(f.type == GL_INT && texels.size() == static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
+                                                    static_cast<std::size_t>(f.channels));
+    glBindTexture(GL_TEXTURE_2D, name_);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    glTexSubImage2D(GL_TEXTURE_2D, 0, origin.x, origin.y, size.x, size.y, f.format, f.type, texels.data());
+}
+
+void Texture::filterLinearly() {
+    assert(format_ == PixelFormat::RGBA16F || format_ == PixelFormat::RGBA8);
+    glBindTexture(GL_TEXTURE_2D, name_);
+    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+        glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
+}
+
+std::vector<std::int32_t> Texture::downloadIntegers(glm::ivec2 origin, glm::ivec2 size) const {
+    assert(format_ == PixelFormat::R32I || format_ == PixelFormat::RG32I);
+    std::vector<std::int32_t> texels(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * 4);
+    const ReadBinding binding(name_);
+    glReadPixels(origin.x, origin.y, size.x, size.y, GL_RGBA_INTEGER, GL_INT, texels.data());
+    return texels;
+}
+
 Image<float> Texture::download() const {
     return download(0, size_.y);
 }

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace apeiron::gpu {
 
@@ -35,10 +36,19 @@ class Texture {
     /// Sets all texels of a float format: size().x * size().y * channels values, first row first.
     void upload(std::span<const float> texels);
 
+    /// Sets a rectangle of texels of a float or integer format, first row first. @pre inside
+    void upload(glm::ivec2 origin, glm::ivec2 size, std::span<const float> texels);
+    void upload(glm::ivec2 origin, glm::ivec2 size, std::span<const std::int32_t> texels);
+
+    /// textureLod() interpolates from now on. @pre a format of at most 16 bits a channel: ES 3.0 filters no others
+    void filterLinearly();
+
     /// Reads a float or RGBA8 texture back as RGBA floats (RGBA8 as 0..1); texel row 0 becomes image row 0.
     Image<float> download() const;
     /// As download(), of `rows` rows from `first` on. @pre inside
     Image<float> download(int first, int rows) const;
+    /// Reads a rectangle of an integer texture: four ints a texel. @pre inside
+    std::vector<std::int32_t> downloadIntegers(glm::ivec2 origin, glm::ivec2 size) const;
     /// Reads one texel of a float texture. @pre inside
     glm::vec4 texel(glm::ivec2 position) const;
 

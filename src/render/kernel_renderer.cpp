@@ -1,6 +1,7 @@
 #include "render/environment_distribution.hpp"
 #include "render/kernel_sources.hpp"
 #include "render/renderer.hpp"
+#include "render/shared_points.hpp"
 
 #include <array>
 #include <functional>
@@ -41,7 +42,7 @@ class KernelRenderer : public Renderer {
   public:
     KernelRenderer(const gpu::Context& context, gpu::KernelCache& cache, const BuildOptions& options,
                    const scene::Scene& scene, const Subject& subject, glm::ivec2 size)
-        : environmentPicture_(context, scene), size_(size),
+        : context_(context), cache_(cache), options_(options), environmentPicture_(context, scene), size_(size),
           prepassSize_((size + (1 << kPrepassShift) - 1) / (1 << kPrepassShift)),
           estimate_(context, glm::min(size + kPadding, glm::ivec2(context.capabilities().maxTextureSize)), kEstimate),
           front_(std::make_unique<Buffers<4>>(context, size, kAccumulator)),
@@ -75,6 +76,10 @@ class KernelRenderer : public Renderer {
 
     void setScene(const scene::Scene& scene, const View& view, const Subject& subject) override {
         view_ = view;
+        subject_ = &subject;
+        drawn_.reset();
+        sharedPoints_ = SharedPoints(scene);
+        if (subject.draws()) subject.prepare(context_, cache_, options_.stage, scene, size_);
         for (gpu::Kernel* kernel : {prepass_.get(), generate_.get(), harmonicsKernel_.get()})
             view.upload(*kernel);
         for (gpu::Kernel* kernel : {harmonicsKernel_.get(), generate_.get()}) {
@@ -131,6 +136,7 @@ class KernelRenderer : public Renderer {
 
     void generate(std::uint32_t sample, const Interleave& interleave, glm::ivec2 offset,
                   const gpu::Region& region) override {
+        if (drawDue(sample)) draw(sample);
         const glm::ivec2 origin = offset * interleave.block(size_);
         generate_->set("random_sample", sample);
         generate_->set("error_limit", errorLimit_);
@@ -138,6 +144,19 @@ class KernelRenderer : public Renderer {
         bindAccumulators(*generate_);
         generate_->run(estimate_.targets, {origin + region.origin, region.size}, size_,
                        {origin, interleave.factor(), offset});
+    }
+
+    bool drawDue(std::uint32_t sample) const override {
+        return subject_ != nullptr && subject_->draws() && drawn_ != sample;
+    }
+
+    void draw(std::uint32_t sample) override {
+        const glm::vec2 shift = sharedPoints_.shift(sample);
+        const glm::vec2 lens = sharedPoints_.lens(sample);
+        subject_->draw(shift, lens);
+        generate_->set("camera_shift", glm::vec3(shift, 1.0F));
+        generate_->set("camera_shift_lens", lens);
+        drawn_ = sample;
     }
 
     void integrate(const Interleave& interleave) override {
@@ -166,6 +185,7 @@ class KernelRenderer : public Renderer {
     }
 
     Surroundings lookAround(const scene::Scene& scene, const Subject& subject, glm::vec3 way) override {
+        if (const auto known = subject.lookAround(scene, way)) return *known;
         if (!makeProbe_) return {};
         if (!probe_) probe_ = makeProbe_();
         subject.bind(*probe_, scene);
@@ -208,7 +228,7 @@ class KernelRenderer : public Renderer {
         kernel.set("history_albedo", before.albedo);
         kernel.set("history_point", before.point);
         if (history) {
-            history->view.uploadAsHistory(kernel, history->offset);
+            history->view.uploadAsHistory(kernel, history->offset, history->scale);
             kernel.set("history_share", history->share);
         }
         return kernel;
@@ -219,6 +239,11 @@ class KernelRenderer : public Renderer {
             kernel.set(kAccumulator[i], front_->textures[i]);
     }
 
+    const gpu::Context& context_;
+    gpu::KernelCache& cache_;
+    BuildOptions options_;
+    const Subject* subject_ = nullptr;   ///< of the last setScene()
+    std::optional<std::uint32_t> drawn_; ///< the sample that the subject was drawn for
     EnvironmentPicture environmentPicture_;
     glm::ivec2 size_;
     glm::ivec2 prepassSize_;
@@ -230,6 +255,7 @@ class KernelRenderer : public Renderer {
     float errorLimit_ = 0.0F; ///< [radiance]
     gpu::Texture starts_;     ///< where the rays of each tile of pixels may start
     gpu::Targets startsTargets_;
+    SharedPoints sharedPoints_;
     std::unique_ptr<Picture> nothing_;
     gpu::Texture harmonics_;
     gpu::Targets harmonicsTargets_;

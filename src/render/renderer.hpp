@@ -23,6 +23,7 @@ struct History {
     const Picture& picture;
     const View& view;       ///< under which it was made; of the same size and projection as the present one
     glm::vec3 offset{0.0F}; ///< from the present camera to its camera [world units]
+    float scale = 1.0F;     ///< world units now per unit then
     float share = 0.0F;     ///< its weight where there are new values too, 0..1
 };
 
@@ -54,6 +55,11 @@ class Renderer {
     /// Leaves out pixels whose standard error is below that from now on [radiance]; 0: computes all.
     virtual void setErrorLimit(float limit) = 0;
 
+    /// Whether the subject has to be drawn before that sample's first generate().
+    virtual bool drawDue(std::uint32_t /*sample*/) const { return false; }
+    /// Draws it.
+    virtual void draw(std::uint32_t /*sample*/) {}
+
     /// Computes estimate number `sample` for a region of a sub-image. Estimates are laid out as one block per
     /// sub-image, so that each is compact.
     /// @param offset   the sub-image: its pixels are offset, offset + (factor, 0), ...
@@ -72,11 +78,6 @@ class Renderer {
     /// The accumulators, for saving and merging.
     virtual Accumulation accumulation() const = 0;
 
-    /// What is around the camera.
-    struct Surroundings {
-        double distance = std::numeric_limits<double>::infinity(); ///< to the nearest surface [world units]
-        double freePart = 1.0;                                     ///< of the way, before the surface comes near, 0..1
-    };
     /// Looks around from the camera, and along a way [world units]. Subjects without surfaces are never in it.
     virtual Surroundings lookAround(const scene::Scene& scene, const Subject& subject, glm::vec3 way) = 0;
 };

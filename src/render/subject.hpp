@@ -1,8 +1,9 @@
 #pragma once
 
-#include "gpu/kernel.hpp"
+#include "gpu/kernel_cache.hpp"
 #include "scene/scene.hpp"
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <set>
@@ -25,7 +26,13 @@ struct Bounds {
     glm::dvec3 front{0.0}; ///< direction from which it is best seen at first; 0: from anywhere
 };
 
-/// What a scene shows: it gives GLSL for one or more interfaces (`surface`, `medium`, `field`, later `raster`) and the
+/// What is around the camera.
+struct Surroundings {
+    double distance = std::numeric_limits<double>::infinity(); ///< to the nearest surface [world units]
+    double freePart = 1.0;                                     ///< of the way, before the surface comes near, 0..1
+};
+
+/// What a scene shows: it gives GLSL for one or more interfaces (`surface`, `medium`, `field`, `raster`) and the
 /// data behind it. Needs its context to be current.
 class Subject {
   public:
@@ -46,6 +53,28 @@ class Subject {
 
     /// Sets the uniforms and textures behind that source. Positions in the shader are relative to the camera.
     virtual void bind(gpu::Kernel& kernel, const scene::Scene& scene) const = 0;
+
+    /// Whether what the camera sees is drawn, with one place in the pixel (and on the lens) for all pixels of a sample:
+    /// prepare() once after each edit, draw() before each sample.
+    virtual bool draws() const { return false; }
+    /// Makes ready what will be drawn and what bind() hands over. @throws Error (BadInput) for what cannot be drawn.
+    virtual void prepare(const gpu::Context& /*context*/, gpu::KernelCache& /*kernels*/, gpu::Stage /*stage*/,
+                         const scene::Scene& /*scene*/, glm::ivec2 /*size*/) const {}
+    /// Draws, into textures of its own. @param shift within the pixel [px, y down] @param lens a point of the lens of
+    /// radius 1
+    virtual void draw(glm::vec2 /*shift*/, glm::vec2 /*lens*/) const {}
+
+    /// After a move of the camera: changes the scene's units where others fit the place better, in subjects without a
+    /// limit in depth. The picture stays the same. @returns new units per old one, where it changed them
+    virtual std::optional<double> rebase(scene::Scene& /*scene*/) const { return std::nullopt; }
+
+    /// What it counts, for statistics: names and values of now.
+    virtual std::vector<std::pair<std::string, double>> counters() const { return {}; }
+
+    /// What is around the camera, where the subject knows that itself (see Renderer::lookAround()).
+    virtual std::optional<Surroundings> lookAround(const scene::Scene& /*scene*/, glm::vec3 /*way*/) const {
+        return std::nullopt;
+    }
 
     /// What someone should know about how a scene is shown, one sentence each: a choice that has no effect, a fallback.
     virtual std::vector<std::string> notes(const scene::Scene& /*scene*/) const { return {}; }

@@ -16,6 +16,7 @@ View::View(const scene::Scene& scene, glm::ivec2 size) : size_(size) {
     basis_ = glm::mat3(glm::mat3_cast(camera.orientation()));
     orthographic_ = scene.camera.text("projection") == "orthographic";
     extent_ = static_cast<float>(camera.extent());
+    height_ = static_cast<float>(camera.position()[2].toDouble());
     filter_ = scene.camera.choice("filter");
     focus_ = static_cast<float>(camera.focus());
     lens_ = static_cast<float>(0.5 * scene.camera.number("aperture") * camera.focus());
@@ -47,7 +48,8 @@ View::View(const scene::Scene& scene, glm::ivec2 size) : size_(size) {
     seed_ = static_cast<std::uint32_t>(scene.output.integer("seed"));
 }
 
-void View::uploadAsHistory(gpu::Kernel& kernel, glm::vec3 offset) const {
+void View::uploadAsHistory(gpu::Kernel& kernel, glm::vec3 offset, float scale) const {
+    kernel.set("history_scale", scale);
     kernel.set("history_basis", basis_);
     kernel.set("history_extent", extent_);
     kernel.set("history_offset", offset);
@@ -57,6 +59,7 @@ void View::upload(gpu::Kernel& kernel) const {
     kernel.set("camera_basis", basis_);
     kernel.set("camera_size", size_);
     kernel.set("camera_extent", extent_);
+    kernel.set("camera_height", height_);
     kernel.set("camera_orthographic", orthographic_);
     kernel.set("camera_filter", filter_);
     kernel.set("camera_lens", lens_);

@@ -17,13 +17,14 @@ class View {
     void upload(gpu::Kernel& kernel) const;
 
     /// Sets the uniforms of history.glsl: this view is the one of an older picture. @param offset from the present
-    /// camera to this one [world units]
-    void uploadAsHistory(gpu::Kernel& kernel, glm::vec3 offset) const;
+    /// camera to this one [world units] @param scale world units now per unit then
+    void uploadAsHistory(gpu::Kernel& kernel, glm::vec3 offset, float scale) const;
 
   private:
     glm::ivec2 size_;
     glm::mat3 basis_{1.0F};
     float extent_ = 1.0F;
+    float height_ = 0.0F;
     bool orthographic_ = false;
     int filter_ = 0;
     float lens_ = 0.0F;

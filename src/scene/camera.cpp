@@ -161,8 +161,8 @@ void Camera::frame(const glm::dvec3& center, double radius, double aspect, const
     assert(radius > 0);
     const glm::dvec3 back = front == glm::dvec3(0.0) ? -forward() : normalized(front);
     const double half = std::min(fov() / 2, std::atan(std::tan(fov() / 2) * aspect));
-    // A little air around it.
-    const double distance = std::clamp(1.02 * radius / std::sin(half), kSmallestDistance, kLargestDistance);
+    // Boxes do not fill their spheres.
+    const double distance = std::clamp(0.9 * radius / std::sin(half), kSmallestDistance, kLargestDistance);
     const Decimal3 target{Decimal(center.x), Decimal(center.y), Decimal(center.z)};
     node_.set("target", target);
     node_.set("position", moved(target, distance * back));

@@ -2,13 +2,15 @@
 
 #include "fractal/fractal.hpp"
 #include "session/session.hpp"
+#include "terrain/terrain.hpp"
 #include "volume/volume_subject.hpp"
 
 namespace apeiron::session {
 
 const std::vector<render::SubjectType>& subjectTypes() {
     // The one place that knows all subjects; the first is the default.
-    static const std::vector<render::SubjectType> kTypes{fractal::subjectType(), volume::subjectType()};
+    static const std::vector<render::SubjectType> kTypes{fractal::subjectType(), volume::subjectType(),
+                                                         terrain::subjectType()};
     return kTypes;
 }
 

@@ -22,6 +22,9 @@ constexpr auto kFloat4 = gpu::PixelFormat::RGBA32F;
 constexpr float kShareAtFirst = 0.7F;
 constexpr std::int64_t kFadingSamples = 8;
 
+/// Part of a step's budget that work is planned for: what the rest of the machine does meanwhile must fit in as well.
+constexpr double kPlanned = 0.9;
+
 /// Pixels are left out only when they have so many samples: of fewer, the variance is not known well enough.
 constexpr std::int64_t kLeastSamples = 16;
 
@@ -128,7 +131,8 @@ void Session::apply(parameter::Invalidates what, bool sizeChanged) {
             displayTargets_ = gpu::Targets(context_, {texture.get()});
             displayTexture_ = std::move(texture);
             picture_ = std::move(picture);
-            before_.reset();
+            // Made now, as the first move of a camera should not wait for it.
+            before_ = options_.reproject ? std::make_unique<render::Picture>(context_, size, true) : nullptr;
         }
     }
     if (subject) {
@@ -226,9 +230,9 @@ void Session::keepPicture() {
     // As long as nothing new was computed, the older picture is the better one.
     if (samples_ == 0 && block_ == 0 && cursor_.taken() == 0) return;
     present();
-    if (!before_) before_ = std::make_unique<render::Picture>(context_, size(), true);
     std::swap(picture_, before_);
     cameraBefore_ = camera();
+    scaleBefore_ = 1.0;
     viewBefore_ = std::make_unique<render::View>(scene_, size());
 }
 
@@ -333,14 +337,18 @@ bool Session::advance(double remaining, bool mustWork) {
         prepassGovernor_.report(static_cast<std::int64_t>(region.size.x) * region.size.y, seconds);
         return true;
     }
+    const auto sample = static_cast<std::uint32_t>(samples_ + scene_.output.integer("first_sample"));
+    if (renderer_->drawDue(sample)) {
+        if (!mustWork && remaining < 1.2 * drawSeconds_) return false;
+        drawSeconds_ = timed("draw", [&] { renderer_->draw(sample); });
+        return true;
+    }
     std::int64_t pixels = governor_.next(remaining, mustWork);
     if (options_.tilePixels > 0) pixels = std::min(pixels, options_.tilePixels);
     if (pixels <= 0) return false;
     const gpu::Region region = cursor_.take(pixels);
-    const double seconds = timed("generate", [&] {
-        const auto sample = static_cast<std::uint32_t>(samples_ + scene_.output.integer("first_sample"));
-        renderer_->generate(sample, interleave_, interleave_.offset(block_), region);
-    });
+    const double seconds =
+        timed("generate", [&] { renderer_->generate(sample, interleave_, interleave_.offset(block_), region); });
     const std::int64_t done = static_cast<std::int64_t>(region.size.x) * region.size.y;
     governor_.report(done, seconds);
     statistics_.pixels += done;
@@ -363,6 +371,7 @@ StepResult Session::step(double budget) {
     const Stopwatch watch;
     StepResult result;
     bool mustWork = true;
+    budget *= kPlanned;
     if (subject_->update(scene_, 0.25 * budget)) {
         renderer_->setScene(scene_, render::View(scene_, size()), *subject_);
         reset();
@@ -397,7 +406,6 @@ double Session::noise() {
 
 void Session::present() {
     if (!stale_) return;
-    const Phases::Scope scope(statistics_.phases, "present");
     render::Progress progress;
     if (samples_ == 0 || single_) {
         progress.blocks = block_;
@@ -412,9 +420,9 @@ void Session::present() {
         const float share = samples_ == 0
                                 ? kShareAtFirst
                                 : kShareAtFirst * (1.0F - static_cast<float>(samples_) / static_cast<float>(fading));
-        history.emplace(render::History{*before_, *viewBefore_, offset, share});
+        history.emplace(render::History{*before_, *viewBefore_, offset, static_cast<float>(scaleBefore_), share});
     }
-    renderer_->present(*picture_, interleave_, progress, history ? &*history : nullptr);
+    timed("present", [&] { renderer_->present(*picture_, interleave_, progress, history ? &*history : nullptr); });
     stale_ = false;
 }
 
@@ -478,6 +486,26 @@ double Session::distanceToSurface() {
     return renderer_->lookAround(scene_, *subject_, glm::vec3(0.0F)).distance;
 }
 
+void Session::rebase() {
+    scene::Scene edited = scene_;
+    const std::optional<double> scale = subject_->rebase(edited);
+    if (!scale) return;
+    if (cameraBefore_) {
+        // The same place as before, in the new units from the camera.
+        const glm::dvec3 away = render::difference(cameraBefore_->position(), camera().position());
+        parameter::Decimal3 place = edited.camera.get<parameter::Decimal3>("position");
+        for (std::size_t i = 0; i < 3; ++i)
+            place[i] = place[i] + Decimal(*scale * away[static_cast<int>(i)]);
+        parameter::Node node = cameraBefore_->node();
+        node.set("position", place);
+        cameraBefore_.emplace(std::move(node));
+        scaleBefore_ *= *scale;
+    }
+    scene_ = std::move(edited);
+    renderer_->setScene(scene_, render::View(scene_, size()), *subject_);
+    stale_ = true;
+}
+
 bool Session::moveCamera(const scene::Camera& wanted) {
     const scene::Camera here = camera();
     const glm::dvec3 way = render::difference(wanted.position(), here.position());
@@ -486,6 +514,7 @@ bool Session::moveCamera(const scene::Camera& wanted) {
     const double part = stays ? 1.0 : renderer_->lookAround(scene_, *subject_, glm::vec3(way)).freePart;
     if (part >= 1.0) {
         setCamera(wanted);
+        if (!stays) rebase();
         return true;
     }
     parameter::Node node = wanted.node();
@@ -494,6 +523,7 @@ bool Session::moveCamera(const scene::Camera& wanted) {
         place[i] = place[i] + Decimal(part * way[static_cast<int>(i)]);
     node.set("position", place);
     setCamera(scene::Camera(std::move(node)));
+    rebase();
     return false;
 }
 

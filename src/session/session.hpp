@@ -138,9 +138,14 @@ class Session {
 
     const Statistics& statistics() const { return statistics_; }
 
+    /// What the subject counts (tiles drawn, generated, cached, ...): names and values of now.
+    std::vector<std::pair<std::string, double>> counters() const { return subject_->counters(); }
+
   private:
     /// Takes another scene, of which `what` is stale; the old one stays when that throws. Returns what was made anew.
     parameter::Invalidates replace(scene::Scene scene, parameter::Invalidates what);
+    /// After a move: world units that fit the place (see render::Subject::rebase()). The picture stays.
+    void rebase();
     void apply(parameter::Invalidates what, bool sizeChanged);
     /// Puts a camera that the scene says nothing of where it sees all of the subject, where that has bounds.
     void frame(const render::Subject& subject, glm::ivec2 size);
@@ -169,6 +174,7 @@ class Session {
     std::unique_ptr<render::Picture> picture_;
     std::unique_ptr<render::Picture> before_;   ///< the picture of before the camera moved ...
     std::optional<scene::Camera> cameraBefore_; ///< ... and its camera; none: there is none
+    double scaleBefore_ = 1.0;                  ///< world units now per unit of that picture
     std::unique_ptr<render::View> viewBefore_;
     std::unique_ptr<post::Chain> chain_;
     std::unique_ptr<gpu::Texture> displayTexture_;
@@ -184,6 +190,7 @@ class Session {
     bool pending_ = false; ///< the sample in progress is computed but not integrated
     bool single_ = false;  ///< the first sample is complete and counted, but not integrated: it was to be the only one
     double integrateSeconds_ = 0.0;
+    double drawSeconds_ = 0.0; ///< what drawing the subject took last
     std::int64_t samples_ = 0;
     double seconds_ = 0.0;                                       ///< spent in step() since the last reset
     std::int64_t noiseCheck_ = 8;                                ///< the sample count at which noise is looked at next

@@ -202,6 +202,13 @@ Medium medium_at(vec3 place) {
 
 float medium_anisotropy() { return anisotropy; }
 
+vec4 field_bounds() {
+    mat3 to_world = inverse(volume_to_grid);
+    vec3 middle = to_world * (0.5 * volume_size - volume_camera);
+    vec3 half_diagonal = abs(to_world[0]) * volume_size.x + abs(to_world[1]) * volume_size.y + abs(to_world[2]) * volume_size.z;
+    return vec4(middle, 0.5 * length(half_diagonal));
+}
+
 float field_spacing() { return volume_spacing; }
 
 bool field_segment(Ray ray, float t, out float t_end) {

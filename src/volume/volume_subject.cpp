@@ -132,7 +132,8 @@ std::shared_ptr<Grid> makeGrid(const gpu::Context& context, const Choice& choice
 std::vector<glm::dvec2> lookupOf(const Volume& volume, const std::vector<TransferTable>& tables) {
     std::vector<glm::dvec2> lookup;
     for (const TransferTable& table : tables) {
-        const double scale = 1.0 / std::max(table.high - table.low, 1e-30);
+        // Where all values are the same, all have the table's first entry.
+        const double scale = table.high > table.low ? 1.0 / (table.high - table.low) : 0.0;
         lookup.emplace_back(volume.slope * scale, (volume.intercept - table.low) * scale);
     }
     return lookup;

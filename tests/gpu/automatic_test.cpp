@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace apeiron::test {
@@ -241,6 +242,53 @@ TEST(Normals, analytic_and_by_tetrahedron_agree_on_smooth_surfaces) {
     }
     EXPECT_GT(seen, 100U);
     EXPECT_LE(apart, seen / 10); // where two sheets meet within a footprint, the taps see both
+}
+
+class NormalsFromPositions : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Constants, NormalsFromPositions, testing::Bool(),
+                         [](const auto& instance) { return instance.param ? "specialised" : "uniform"; });
+
+TEST_P(NormalsFromPositions, are_the_analytic_ones_away_from_silhouettes) {
+    // The bulb with bends that are wider than a pixel: what is sharper has no one normal per pixel.
+    // (Measured: median 0.1, 95 % within 3.2 degrees; four taps: 1.4 and 8.)
+    scene::Scene scene =
+        sceneOf(R"({"apeiron": 1, "camera": {"position": ["1.2", "-2.2", "0.9"], "fov": 30, "filter": "box"},
+        "subject": {"power": 8, "iterations": 2, "coloring": "solid", "detail": 0.5, "normals": "position"},
+        "renderer": {"shadow": "none", "ambient_occlusion": "none"},
+        "output": {"width": 96, "height": 96, "samples": 1}})");
+    session::Options options;
+    options.specialise = GetParam();
+    const auto found = rendered(scene, options)->layers().geometry;
+    scene.set("subject.normals", std::string_view("analytic"));
+    const auto exact = rendered(scene, options)->layers().geometry;
+    const glm::dvec3 towards = glm::normalize(glm::dvec3(1.2, -2.2, 0.9));
+    std::vector<double> angles;
+    for (std::size_t i = 0; i < found.data().size(); i += 4) {
+        const dvec3 a = rgb(found.data().data() + i);
+        const dvec3 b = rgb(exact.data().data() + i);
+        if (glm::length(a) < 0.5 || glm::length(b) < 0.5) continue;
+        ASSERT_NEAR(glm::length(a), 1.0, 1e-5);
+        // Where the surface turns away, the ray beside this one may miss it: the known weakness of positions.
+        if (glm::dot(b, towards) < 0.35) continue;
+        angles.push_back(glm::degrees(std::acos(std::min(glm::dot(a, b), 1.0))));
+    }
+    ASSERT_GT(angles.size(), 1500U);
+    std::sort(angles.begin(), angles.end());
+    EXPECT_LT(angles[angles.size() / 2], 3.0);
+    EXPECT_LT(angles[angles.size() * 95 / 100], 8.0);
+}
+
+TEST(Normals, from_positions_are_the_same_from_both_stages) {
+    if (!context().capabilities().compute) GTEST_SKIP() << "no compute shaders";
+    const scene::Scene scene = sceneOf(R"({"apeiron": 1, "camera": {"position": ["1.2", "-2.2", "0.9"], "fov": 40},
+        "subject": {"iterations": 4, "normals": "position"}, "output": {"width": 32, "height": 32, "samples": 1}})");
+    session::Options fragment;
+    fragment.stage = gpu::Stage::Fragment;
+    session::Options compute;
+    compute.stage = gpu::Stage::Compute;
+    const auto a = rendered(scene, fragment)->layers().geometry;
+    const auto b = rendered(scene, compute)->layers().geometry;
+    EXPECT_TRUE(std::equal(a.data().begin(), a.data().end(), b.data().begin()));
 }
 
 } // namespace

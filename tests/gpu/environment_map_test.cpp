@@ -135,7 +135,7 @@ TEST_F(EnvironmentMapTest, directions_are_drawn_from_where_the_light_is) {
 TEST_F(EnvironmentMapTest, missing_files_are_an_error_that_changes_nothing) {
     render::setPictureLoader(grid);
     session::Session session(context(), sceneOf("grid.exr"));
-    EXPECT_THAT(errorOf([&] { session.set("environment.file", "no.exr"); })->what(),
+    EXPECT_THAT(errorOf([&] { session.set("environment.file", std::string_view("no.exr")); })->what(),
                 HasSubstr("environment.file: no.exr: there is no such file"));
     EXPECT_EQ(session.scene().environment.text("file"), "grid.exr");
     EXPECT_NO_THROW(session.step(1.0));

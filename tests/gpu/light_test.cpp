@@ -551,9 +551,10 @@ TEST_P(EveryBrdf, reflects_no_more_than_it_gets) {
         most = std::max(most, static_cast<double>(texel[0]));
         // The sum over the hemisphere is good to 0.003. What GGX facets leave for the base under them is known by
         // Karis' fit, which is up to 0.07 off at grazing angles; a metal has no base.
-        const bool fitted = std::string(GetParam().first) == "ggx" && texel[3] == 0.0F;
-        EXPECT_LE(texel[0], fitted ? 1.07 : 1.003)
-            << "cosine " << texel[1] << " roughness " << texel[2] << " metalness " << texel[3];
+        // What is scattered between the facets is known by a fit that is up to 0.011 too high.
+        const bool fitted = std::string(GetParam().first) == "ggx";
+        const double limit = !fitted ? 1.003 : texel[3] == 0.0F ? 1.07 : 1.014;
+        EXPECT_LE(texel[0], limit) << "cosine " << texel[1] << " roughness " << texel[2] << " metalness " << texel[3];
         EXPECT_GE(texel[0], 0.0F);
     }
     EXPECT_GT(most, 0.98) << "white is white";
@@ -608,6 +609,38 @@ void kernel_main(ivec2 pixel, out vec4 a) {{
     for (const float value : images[0].data()) {
         ASSERT_TRUE(std::isfinite(value));
         ASSERT_GE(value, 0.0F);
+    }
+}
+
+TEST(Ggx, white_metal_reflects_all_of_a_furnace_at_any_roughness_and_angle) {
+    // Rows: roughness 0.15 to 1. Columns: cosines from 0.03 to 1. Every pixel is the mean of 4096 drawn directions.
+    const auto images = runText({"render/glsl/brdf.glsl"},
+                                R"(
+void kernel_main(ivec2 pixel, out vec4 a) {
+    vec3 n = vec3(0.0, 0.0, 1.0);
+    float z = mix(0.03, 1.0, float(pixel.x) / 15.0);
+    vec3 v = vec3(sqrt(1.0 - z * z), 0.0, z);
+    Material m = Material(vec3(1.0), mix(0.15, 1.0, float(pixel.y) / 15.0), 1.0, vec3(0.0));
+    float gloss = brdf_gloss(2, m, n, v);
+    float sum = 0.0;
+    for (int i = 0; i < 4096; ++i) {
+        vec2 u = fract(vec2((float(i) + 0.5) / 4096.0, 0.618033989 * float(i)));
+        float lobe = fract(0.754877666 * float(i) + 0.5);
+        vec3 l = brdf_sample(2, gloss, m, n, v, u, lobe);
+        float pdf = brdf_pdf(2, gloss, m, n, v, l);
+        if (pdf > 0.0) sum += brdf_value(2, m, n, v, l).r / pdf;
+    }
+    a = vec4(sum / 4096.0, brdf_environment(m, n, v).r, gloss, 1.0);
+}
+)",
+                                {16, 16}, 1);
+    for (int y = 0; y < 16; ++y) {
+        for (int x = 0; x < 16; ++x) {
+            SCOPED_TRACE(testing::Message() << "column " << x << ", row " << y);
+            // The fit is within 0.013 of the integral, the lattice of 4096 directions within 0.007.
+            EXPECT_NEAR(images[0].at(x, y)[0], 1.0F, 0.02F);
+            EXPECT_NEAR(images[0].at(x, y)[1], 1.0F, 1e-3F);
+        }
     }
 }
 

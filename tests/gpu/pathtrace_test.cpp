@@ -215,13 +215,10 @@ TEST_P(EverySampling, lights_without_size_are_lights) {
         scene, [&](const glm::dvec3& n) { return glm::dot(n, l) > 0.1 ? kAlbedo / kPi * 3.0 * glm::dot(n, l) : -1.0; });
 }
 
-TEST(PathFurnace, white_metal_loses_what_facets_throw_at_each_other) {
-    // Part of the light that one reflection by GGX facets with Smith's masking sends back, at cosines of 0.3, 0.5, 0.7,
-    // 0.9 and 1: sums over 20,000 random facets in double precision, good to 0.005. Further reflections between facets
-    // are not part of the model.
-    constexpr std::array kCosines{0.3, 0.5, 0.7, 0.9, 1.0};
-    for (const auto& [roughness, back] : {std::pair{"0.5", std::array{0.837, 0.853, 0.885, 0.909, 0.919}},
-                                          std::pair{"1", std::array{0.562, 0.449, 0.380, 0.333, 0.309}}}) {
+TEST(PathFurnace, white_metal_gives_back_what_facets_throw_at_each_other) {
+    // A single reflection by GGX facets sends back 84 to 92 % at a roughness of 0.5, 31 to 56 % at 1; the rest is
+    // between facets.
+    for (const char* roughness : {"0.5", "1"}) {
         scene::Scene scene = pathScene("length(p) - 1.0");
         setAll(scene, {{"environment.color", "1,1,1"},
                        {"subject.color_a", "1,1,1"},
@@ -230,17 +227,13 @@ TEST(PathFurnace, white_metal_loses_what_facets_throw_at_each_other) {
                        {"output.samples", "32"}});
         scene.set("subject.roughness", std::string_view(roughness));
         SCOPED_TRACE(roughness);
+        // The fit of what is lost is off by up to 0.013.
         expectTruth(
             scene,
             [&](const glm::dvec3& n) {
-                const double cosine = glm::dot(n, glm::normalize(glm::dvec3(0, -4, 0) - n));
-                for (std::size_t i = 0; i + 1 < kCosines.size(); ++i) {
-                    if (cosine < kCosines[i] || cosine > kCosines[i + 1]) continue;
-                    return glm::mix(back[i], back[i + 1], (cosine - kCosines[i]) / (kCosines[i + 1] - kCosines[i]));
-                }
-                return -1.0;
+                return glm::dot(n, glm::normalize(glm::dvec3(0, -4, 0) - n)) > 0.3 ? 1.0 : -1.0;
             },
-            0.01);
+            0.015);
     }
 }
 

@@ -10,10 +10,14 @@ uniform float camera_lens;       // radius of the lens [world units]; 0: a pinho
 uniform float camera_focus;      // from the lens to the plane that is sharp, along the axis [world units]
 uniform int camera_blades;       // corners of the lens; fewer than 3: a disc
 
+uniform vec3 camera_shift;       // where in the pixel this sample lies of all pixels [px], z 1: the subject was drawn that way
+uniform vec2 camera_shift_lens;  // and on the lens, of radius 1
+
 float camera_start = 0.0; // nothing is nearer than this along the pixel's rays: the prepass knows
 
 // Where in the picture this sample lies relative to the pixel's centre [px]: the filter, sampled in proportion to its weight.
 vec2 camera_jitter(ivec2 pixel) {
+    if (camera_shift.z > 0.0) return camera_shift.xy;
     vec2 u = random_pair(pixel, 0u);
     vec2 v = 2.0 * u;
     vec2 jitter = camera_filter == 0 ? u - 0.5 : mix(1.0 - sqrt(2.0 - v), sqrt(v) - 1.0, vec2(lessThan(v, vec2(1.0))));
@@ -59,7 +63,7 @@ Ray camera_sample(ivec2 pixel) {
     Ray ray = camera_ray(vec2(pixel) + 0.5 + camera_jitter(pixel));
     // A loop of at most one turn: rasterisers on the CPU skip an empty loop, but not an `if`.
     for (int i = camera_lens > 0.0 ? 0 : 1; i < 1; ++i) {
-        vec3 lens = camera_basis * vec3(camera_lens * camera_lens_point(random_pair(pixel, 2u)), 0.0);
+        vec3 lens = camera_basis * vec3(camera_lens * (camera_shift.z > 0.0 ? camera_shift_lens : camera_lens_point(random_pair(pixel, 2u))), 0.0);
         float along = camera_focus / max(-dot(ray.direction, camera_basis[2]), 1e-6);
         ray.direction = normalize(along * ray.direction - lens);
         ray.origin += lens;

@@ -17,7 +17,7 @@ uniform bool bounding;        //! true invalidates program | Rays are cut to a s
 uniform bool prepass;         //! true invalidates program | One cone per 8 x 8 pixels first finds where their rays may start: without, for comparison
 uniform float relaxation;     //! 1.3 [1, 1.9] step 0.05 | Steps are longer than the estimate by this factor, and taken back where that goes too far: 1 for estimates that overshoot
 uniform float occlusion_reach; //! 0.12 [0.005, 2] log | How far ambient occlusion looks, relative to the distance from the camera
-uniform int normals;          //! tetrahedron {tetrahedron, analytic} invalidates program | Normals from four estimates around the point, smooth over the pixel's footprint; or the estimate's exact gradient by dual numbers: crisp, right for smooth surfaces and magnified views, noisy where there is detail below the pixel
+uniform int normals;          //! tetrahedron {tetrahedron, analytic, position} invalidates program | Normals from four estimates around the point, smooth over the pixel's footprint; or the estimate's exact gradient by dual numbers: crisp, right for smooth surfaces and magnified views, noisy where there is detail below the pixel; or from the positions that neighbouring rays meet: less exact where they miss the surface, at silhouettes
 
 float distance_estimate(vec3 p);
 vec3 distance_gradient(vec3 p);
@@ -109,9 +109,49 @@ float surface_clear(Ray cone) {
     return t * 0.99999;
 }
 
-// Gradient by four taps at the corners of a tetrahedron (Quilez 2015), or exact.
+// Where a ray that passes p meets the estimate's level, from p along the ray, and whether it does within a few h: by secants, which
+// are kept from turning back or leaping away. Neighbours must meet the level of the hit itself: marches end anywhere below their
+// threshold, which would tilt the surface between them.
+vec2 distance_beside(vec3 p, vec3 direction, float level, float h) {
+    float s = 0.0;
+    float f = distance_estimate(p) - level;
+    float stride = abs(f) < 0.05 * h ? 0.05 * h : clamp(f, -2.0 * h, 2.0 * h);
+    for (int i = 0; i < 5; ++i) {
+        float next = distance_estimate(p + (s + stride) * direction) - level;
+        float slope = min((next - f) / stride, -0.02);
+        s += stride;
+        f = next;
+        stride = clamp(-f / slope, -3.0 * h, 3.0 * h);
+        // So near, a further step would divide two roundings.
+        if (abs(stride) < 1e-3 * h) break;
+    }
+    return vec2(s + stride, float(abs(stride) < 0.1 * h && abs(s) < 10.0 * h));
+}
+
+// From the positions that the rays on either side meet, half a footprint away. One that misses (silhouettes, edges) leaves it to the
+// other; where both do, the surface is taken to face the eye in that direction.
+vec3 distance_position_normal(Hit hit, vec3 direction) {
+    float h = 0.5 * hit.footprint;
+    float level = distance_estimate(hit.position);
+    vec3 x = normalize(abs(direction.z) < 0.9 ? vec3(direction.y, -direction.x, 0.0) : vec3(0.0, direction.z, -direction.y));
+    vec3 y = cross(direction, x);
+    vec3 n = -direction;
+    for (int i = 0; i < 2; ++i) {
+        vec3 axis = i == 0 ? x : y;
+        vec2 sum = vec2(0.0);
+        for (int k = -1; k <= 1; k += 2) {
+            vec2 beside = distance_beside(hit.position + float(k) * h * axis, direction, level, h);
+            sum += vec2(float(k) * beside.x, 1.0) * beside.y;
+        }
+        n += axis * (sum.x / (h * max(sum.y, 1.0)));
+    }
+    return normalize(n);
+}
+
+// Gradient by four taps at the corners of a tetrahedron (Quilez 2015), or exact, or from positions.
 vec3 surface_normal(Hit hit, vec3 direction) {
     float h = 0.5 * hit.footprint;
+    if (normals == 2) return distance_position_normal(hit, direction);
     const vec2 k = vec2(1.0, -1.0);
     vec3 n = vec3(0.0);
     if (normals == 1) {

@@ -6,6 +6,9 @@
 // Cuts the ray to where the field is; false when it misses.
 bool field_clip(inout Ray ray);
 
+// A sphere around everything: centre, radius.
+vec4 field_bounds();
+
 // Side of the finest detail [world units]: what steps are measured in.
 float field_spacing();
 

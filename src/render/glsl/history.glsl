@@ -12,6 +12,7 @@ uniform bool history_there;        // there is such a picture
 uniform mat3 history_basis;        // its camera, as camera_basis and camera_extent
 uniform float history_extent;
 uniform vec3 history_offset;       // from the camera now to the one of then
+uniform float history_scale;       // units now per unit then
 
 // Picture coordinates [px] of a point relative to a camera, and its depth.
 vec3 history_project(vec3 p, mat3 basis, float extent) {
@@ -34,7 +35,7 @@ bool history_find(ivec2 pixel, vec4 guess, out ivec2 texel, out vec4 found) {
         texel = ivec2(floor(at.xy));
         if (at.z <= 0.0 || any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, camera_size))) return false;
         found = texelFetch(history_point, texel, 0);
-        if (found.w > 0.0) found.xyz += history_offset;
+        if (found.w > 0.0) found.xyz = found.xyz * history_scale + history_offset;
         vec3 back = history_project(found.xyz, camera_basis, camera_extent);
         if (camera_orthographic && found.w == 0.0) back = vec3(here, 1.0);
         vec2 miss = here - back.xy;

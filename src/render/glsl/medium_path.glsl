@@ -19,7 +19,7 @@ struct MediumPaths {
     float limit;    // most radiance of indirect light in one sample; 0: none
 };
 
-uint medium_random; // state of the numbers that are not worth a sequence of their own
+uint medium_random = 0u; // state of the numbers that are not worth a sequence of their own
 
 // A permuted congruential generator (O'Neill 2014; Jarzynski & Olano 2020).
 float medium_number() {
@@ -169,15 +169,15 @@ void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geom
             sum += medium_limited(through * m.emission, bounce > 1, how.limit);
             through *= m.albedo;
             ++bounce;
-            float survival = bounce > how.roulette ? min(max(through.r, max(through.g, through.b)), 0.98) : 1.0;
+            float survival = bounce > how.roulette ? min(max(through.r, max(through.g, through.b)), 1.0) : 1.0;
             bool ends = medium_number() >= survival || max(through.r, max(through.g, through.b)) <= 0.0;
-            through /= survival;
+            through /= max(survival, 1e-20);
 
             vec2 u_scatter = bounce == 1 ? first_scatter : vec2(medium_number(), medium_number());
             vec2 u_light = bounce == 1 ? first_light : vec2(medium_number(), medium_number());
             float u_choice = medium_number();
             // A border scatters as a surface, or as haze.
-            bool surface = medium_number() < m.surface;
+            bool surface = m.surface > 0.0 && medium_number() < m.surface;
             vec3 view = -ray.direction;
             vec3 normal = dot(m.normal, view) < 0.0 ? -m.normal : m.normal;
             Material material = Material(vec3(1.0), 0.5, 0.0, vec3(0.0));

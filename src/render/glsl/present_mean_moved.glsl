@@ -20,7 +20,7 @@ void kernel_main(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 alb
     // What the nearest new pixel shows, and what this pixel showed: two guesses of where to look. Any point of a surface that is seen here hides
     // the background, and of two the nearer one the other.
     vec4 old = texelFetch(history_point, pixel, 0);
-    old.xyz += old.w * history_offset;
+    if (old.w > 0.0) old.xyz = old.xyz * history_scale + history_offset;
     ivec2 texel = pixel;
     vec4 found = old;
     bool there = false;

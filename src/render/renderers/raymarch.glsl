@@ -14,6 +14,7 @@ uniform int occlusion_rays;    //! 1 [1, 64] log | Rays a sample where occlusion
 uniform float occlusion_strength; //! 1 [0, 8] step 0.05 | Power of the occlusion where it is estimated: 0 none, 1 as it is
 uniform float sky_light;       //! 1 [0, 4] | Strength of the environment's light on surfaces
 uniform float fog;             //! 0 [0, 100] log | Density of the fog: what is seen through it falls as exp(-density distance^0.75)
+uniform int fog_falloff;       //! power {power, logarithm} invalidates program | How the fog grows with distance: as its power 0.75, or as the square of its logarithm, so that each doubling of the distance counts about alike, as it should where a picture reaches over many octaves
 uniform int fog_light;         //! environment {environment, color} invalidates program | What the fog shows: the environment behind it, or a colour of its own that hides the environment, too
 uniform vec3 fog_color;        //! (0.55, 0.62, 0.70) [0, 100] color | Radiance of fog with a colour of its own
 uniform bool glow;             //! false invalidates program | A shining haze around the surface
@@ -104,7 +105,9 @@ float glow_depth(Ray ray, float t_end) {
 vec3 air(vec3 radiance, Ray ray, float depth) {
     if (fog > 0.0) {
         vec3 light = fog_light == 0 ? environment_at(ray.direction) : fog_color;
-        radiance = mix(light, radiance, exp(-fog * pow(depth, 0.75)));
+        float octaves = log2(1.0 + depth);
+        float thickness = fog_falloff == 0 ? pow(depth, 0.75) : octaves * octaves;
+        radiance = mix(light, radiance, exp(-fog * thickness));
     }
     return radiance;
 }

@@ -1,0 +1,105 @@
+#include "render/glsl/camera.glsl"
+#include "render/glsl/environment.glsl"
+#include "render/glsl/field.glsl"
+
+// Emission and absorption along a ray: what eam and lao share.
+
+struct FieldLook {
+    float step;       // distance of the places that are looked at, in voxels
+    float shading;    // part of the light that depends on the gradient
+    float specular;   // strength of the highlights
+    float shininess;  // their exponent
+    float sky_light;  // strength of the environment's light
+    int rays;         // that look how open a place is; 0: it counts as open
+    float reach;      // how far they look, in voxels
+    bool shadows;     // the lights' rays look as well
+};
+
+// What a short way lets through, in a few steps that grow with the distance.
+float field_open(vec3 position, vec3 direction, float reach, float jitter) {
+    const int steps = 6;
+    float through = 0.0;
+    float before = 0.0;
+    for (int i = 0; i < steps; ++i) {
+        float end = float((i + 1) * (i + 1)) / float(steps * steps);
+        float t = reach * mix(before, end, jitter);
+        through += field_color(position + t * direction).a * (reach * (end - before));
+        before = end;
+    }
+    return exp(-through);
+}
+
+vec3 field_random_direction(vec2 u) {
+    float z = 2.0 * u.x - 1.0;
+    float r = sqrt(max(1.0 - z * z, 0.0));
+    return vec3(r * cos(6.283185307 * u.y), r * sin(6.283185307 * u.y), z);
+}
+
+// The light that a place of the field sends towards the viewer.
+vec3 field_lit(FieldLook look, ivec2 pixel, uint place, vec3 position, vec3 color, vec3 view) {
+    vec3 gradient = field_gradient(position);
+    float steepness = length(gradient);
+    // Without a gradient there is no side: such places are lit from everywhere alike.
+    float formed = look.shading * smoothstep(0.0, 0.02, steepness * field_spacing());
+    vec3 n = steepness > 0.0 ? -gradient / steepness : view;
+    float reach = look.reach * field_spacing();
+    vec3 start = position + (0.75 * field_spacing()) * n;
+    float open = 1.0;
+    for (int k = 0; k < look.rays; ++k) {
+        vec2 u = fract(random_pair(pixel, 17u + uint(k)) + float(place) * vec2(0.754877666, 0.569840291));
+        vec3 direction = normalize(formed * n * 1.001 + field_random_direction(u));
+        float part = field_open(start, direction, reach, fract(u.x * 97.0)) / float(look.rays);
+        open = k == 0 ? part : open + part;
+    }
+    vec3 sum = look.sky_light * open * mix(environment_irradiance(view), environment_irradiance(n), formed) * color;
+    for (int i = 0; i < light_count; ++i) {
+        LightSample light = light_at(i, position);
+        float cosine = mix(0.5, max(dot(n, light.direction), 0.0), formed);
+        float highlight = pow(max(dot(n, normalize(light.direction + view)), 0.0), look.shininess) * look.specular * formed;
+        float lit = 1.0;
+        for (int k = 0; k < int(look.shadows && cosine > 0.0); ++k)
+            lit = field_open(start, light.direction, 2.0 * reach, random_pair(pixel, 16u).y);
+        sum += lit * light.irradiance * (color * cosine + highlight * float(dot(n, light.direction) > 0.0));
+    }
+    return sum * 0.318309886;
+}
+
+void field_march(FieldLook look, ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 albedo) {
+    Ray ray = camera_sample(pixel);
+    vec3 sum = vec3(0.0);
+    vec3 colors = vec3(0.0);
+    float through = 1.0;
+    float depth = 0.0;
+    bool inside = field_clip(ray);
+    float stride = max(look.step * field_spacing(), (ray.t_max - ray.t_min) / 8000.0);
+    float t = ray.t_min + stride * random_pair(pixel, 16u).x;
+    float t_end = t;
+    for (int i = 0; i < 8192 && inside && t < ray.t_max && through > 2e-3; ++i) {
+        bool something = true;
+        for (int k = 0; k < 8 && t >= t_end; ++k) {
+            something = field_segment(ray, t, t_end);
+            // To the next place that is looked at, however much was stepped over.
+            if (!something) t += ceil(max(t_end - t, 0.0) / stride) * stride;
+        }
+        if (!something || t >= ray.t_max) continue;
+        vec3 position = ray.origin + t * ray.direction;
+        vec4 seen = field_color(position);
+        float part = through * (1.0 - exp(-seen.a * stride));
+        for (int k = 0; k < int(part > 1e-4); ++k) {
+            sum += part * (field_lit(look, pixel, uint(i), position, seen.rgb, -ray.direction) + field_emission(position, seen));
+            colors += part * seen.rgb;
+            depth += part * t;
+        }
+        through -= part;
+        t += stride;
+    }
+    float cover = 1.0 - through;
+    vec3 behind = environment_transparent ? vec3(0.0) : environment_at(ray.direction);
+    radiance = vec4(sum + through * behind, environment_transparent ? cover : 1.0);
+    geometry = vec4(0.0);
+    albedo = vec4(0.0);
+    if (cover > 0.01) {
+        geometry = vec4(-ray.direction, depth / cover);
+        albedo = vec4(colors / cover, 1.0);
+    }
+}

@@ -1,0 +1,82 @@
+/// Several isosurfaces at once, each as opaque as it is wanted, in the colours of the transfer function. One opaque surface with
+/// shadows and global illumination: the renderers raymarch and pathtrace.
+#pragma apeiron needs field
+#pragma apeiron integrate mean
+#include "render/glsl/camera.glsl"
+#include "render/glsl/environment.glsl"
+#include "render/glsl/brdf.glsl"
+#include "render/glsl/field.glsl"
+
+uniform float step;      //! 0.5 [0.05, 4] log | Distance of the places where crossings are looked for, in voxels
+uniform vec4 values;     //! (0.35, 0.7, 0, 0) [0, 1] | Isovalues of up to four surfaces, 0 to 1 over what the transfer function shows
+uniform vec4 opacities;  //! (0.35, 1, 0, 0) [0, 1] | Their opacities seen straight on; 0: there is none
+uniform float roughness; //! 0.35 [0, 1] | Roughness of the surfaces
+uniform float sky_light; //! 1 [0, 4] | Strength of the environment's light
+
+vec3 lit(vec3 position, vec3 n, vec3 v, vec3 color) {
+    Material m = Material(color, roughness, 0.0, vec3(0.0));
+    vec3 gloss = brdf_environment(m, n, v);
+    vec3 mirrored = environment_at(normalize(mix(reflect(-v, n), n, roughness * roughness)));
+    vec3 sum = sky_light * (color * (1.0 - gloss) * environment_irradiance(n) * 0.318309886 + gloss * mirrored);
+    for (int i = 0; i < light_count; ++i) {
+        LightSample light = light_at(i, position);
+        sum += brdf_value(2, m, n, v, light.direction) * light.irradiance;
+    }
+    return sum;
+}
+
+void kernel_main(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 albedo) {
+    Ray ray = camera_sample(pixel);
+    radiance = vec4(0.0);
+    geometry = vec4(0.0);
+    albedo = vec4(0.0);
+    vec3 sum = vec3(0.0);
+    float through = 1.0;
+    bool inside = field_clip(ray);
+    float stride = max(step * field_spacing(), (ray.t_max - ray.t_min) / 8000.0);
+    float t = ray.t_min + stride * random_pair(pixel, 16u).x;
+    // Outside of the box there is nothing, so that surfaces are closed where they leave it.
+    float before = 0.0;
+    for (int i = 0; i < 8192 && inside && t < ray.t_max + stride && through > 4e-3; ++i) {
+        float here = t < ray.t_max ? field_value(ray.origin + t * ray.direction) : 0.0;
+        vec4 crossed = vec4(lessThan(vec4(before) - values, vec4(0.0))) - vec4(lessThan(vec4(here) - values, vec4(0.0)));
+        crossed = abs(crossed) * vec4(greaterThan(opacities, vec4(0.0)));
+        // From the nearest to the farthest: in the order of their values, upwards or downwards.
+        for (int n = 0; n < 4 && dot(crossed, vec4(1.0)) > 0.0; ++n) {
+            int k = -1;
+            for (int j = 0; j < 4; ++j) {
+                if (crossed[j] > 0.0 && (k < 0 || (here > before ? values[j] < values[k] : values[j] > values[k]))) k = j;
+            }
+            if (k < 0) break;
+            crossed[k] = 0.0;
+            float a = max(t - stride, ray.t_min);
+            float b = min(t, ray.t_max);
+            for (int j = 0; j < 6; ++j) {
+                float c = 0.5 * (a + b);
+                bool beyond = (field_value(ray.origin + c * ray.direction) < values[k]) == (here < values[k]);
+                a = beyond ? a : c;
+                b = beyond ? c : b;
+            }
+            float at = 0.5 * (a + b);
+            vec3 position = ray.origin + at * ray.direction;
+            vec3 gradient = field_gradient(position);
+            float steepness = length(gradient);
+            vec3 normal = steepness > 0.0 ? gradient / steepness : -ray.direction;
+            normal = dot(normal, ray.direction) > 0.0 ? -normal : normal;
+            // A thin layer is seen through a longer way where it is seen at an angle.
+            float cosine = max(-dot(normal, ray.direction), 0.05);
+            float cover = opacities[k] >= 1.0 ? 1.0 : 1.0 - pow(1.0 - opacities[k], 1.0 / cosine);
+            vec3 color = field_tint(values[k]);
+            sum += through * cover * lit(position, normal, -ray.direction, color);
+            if (through == 1.0) {
+                geometry = vec4(normal, at);
+                albedo = vec4(color, 1.0);
+            }
+            through *= 1.0 - cover;
+        }
+        before = here;
+        t += stride;
+    }
+    vec3 behind = environment_transparent ? vec3(0.0) : environment_at(ray.direction);
+    radiance = vec4(sum + through * behind, environment_transparent ? 1.0 - through : 1.0);
+}

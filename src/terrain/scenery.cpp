@@ -1,0 +1,336 @@
+#include "terrain/scenery.hpp"
+
+#include "core/stopwatch.hpp"
+#include "render/view.hpp"
+#include "scene/camera.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace apeiron::terrain {
+namespace {
+
+using parameter::Decimal3;
+
+/// Tiles reach this much beyond the picture, for the filter's reach.
+constexpr double kWider = 1.02;
+
+/// A camera stops where the ground is so much nearer than at the way's beginning.
+constexpr double kNearest = 0.05;
+
+template <class T> std::span<const std::byte> bytesOf(const std::vector<T>& values) {
+    return std::as_bytes(std::span<const T>(values));
+}
+
+} // namespace
+
+Site::Site(const scene::Scene& scene) {
+    const parameter::Node& subject = scene.subject;
+    shape.kernel = subject.text("kernel") == "bilinear" ? Kernel::Bilinear : Kernel::BSpline;
+    shape.seed = static_cast<std::uint32_t>(subject.integer("seed"));
+    shape.hurst = std::clamp(static_cast<int>(std::lround(1000.0 * subject.number("hurst"))), 1, 1000);
+    try {
+        address = Address::parse(subject.text("address"));
+    } catch (const Error& error) {
+        throw Error(ErrorKind::BadInput, error.what(), "subject.address");
+    }
+    const std::int64_t depth = subject.integer("depth");
+    if (depth > address.levels()) address = flatSeekingAddress(shape, address, depth);
+    relief = subject.number("relief");
+}
+
+Scenery::Scenery(const gpu::Context& context) : context_(context), clipmap_(context) {}
+
+const Site& Scenery::site(const scene::Scene& scene) {
+    if (!subject_ || *subject_ != scene.subject) {
+        Site site(scene);
+        if (!corner_ || corner_->shape() != site.shape || corner_->address() != site.address)
+            corner_.emplace(site.shape, site.address);
+        site_ = std::move(site);
+        subject_ = scene.subject;
+    }
+    return *site_;
+}
+
+Place Scenery::placeOf(const scene::Scene& scene) {
+    glm::dvec3 position = render::difference(scene.camera.get<Decimal3>("position"), {});
+    position.z /= site(scene).relief;
+    Place place = *corner_;
+    constexpr double kFar = 200'000.0;
+    const bool there = std::abs(position.x) < kFar && std::abs(position.y) < kFar && std::abs(position.z) < kFar;
+    if (!there || !place.move(position)) {
+        throw Error(ErrorKind::BadInput, "the camera is outside the terrain's root cell or very far from its address",
+                    "camera.position", "positions are in cells of the address; choose a longer subject.address");
+    }
+    return place;
+}
+
+void Scenery::makeMesh(int cells) {
+    if (meshCells_ == cells) return;
+    std::vector<glm::ivec2> vertices;
+    std::vector<std::uint16_t> indices;
+    const auto at = [cells](int x, int y) { return static_cast<std::uint16_t>(y * (cells + 1) + x); };
+    for (int y = 0; y <= cells; ++y) {
+        for (int x = 0; x <= cells; ++x)
+            vertices.emplace_back(x, y);
+    }
+    for (int y = 0; y < cells; ++y) {
+        for (int x = 0; x < cells; ++x) {
+            // Diagonals alternate about even vertices, so that the mesh of twice the spacing has the same.
+            const bool flip = (x + y) % 2 != 0;
+            const std::uint16_t a = at(x, y);
+            const std::uint16_t b = at(x + 1, y);
+            const std::uint16_t c = at(x, y + 1);
+            const std::uint16_t d = at(x + 1, y + 1);
+            if (flip)
+                indices.insert(indices.end(), {a, b, c, b, d, c});
+            else
+                indices.insert(indices.end(), {a, b, d, a, d, c});
+        }
+    }
+    vertices_ = gpu::Buffer(context_, gpu::Buffer::Kind::Vertices, bytesOf(vertices), "tile mesh");
+    indices_ = gpu::Buffer(context_, gpu::Buffer::Kind::Indices, bytesOf(indices), "tile mesh indices");
+    indexCount_ = static_cast<int>(indices.size());
+    meshCells_ = cells;
+}
+
+void Scenery::prepare(gpu::KernelCache& kernels, gpu::Stage stage, const scene::Scene& scene, glm::ivec2 size) {
+    const parameter::Node& subject = scene.subject;
+    const Place place = placeOf(scene);
+    const Site& site = *site_;
+    const scene::Camera camera(scene.camera);
+    orthographic_ = scene.camera.text("projection") == "orthographic";
+
+    if (position_.size() != size) {
+        position_ = gpu::Texture(context_, gpu::PixelFormat::RGBA32F, size, "terrain seen position");
+        slope_ = gpu::Texture(context_, gpu::PixelFormat::RGBA32F, size, "terrain seen slope");
+        targets_ = gpu::DepthTargets(context_, {&position_, &slope_});
+    }
+    const int tileLevels = 5 + subject.choice("tile");
+    const std::int64_t bytes = subject.integer("memory") << 20U;
+    if (!cache_ || cache_->tileLevels() != tileLevels || cache_->bytes() != bytes) {
+        cache_.reset(); // the old one's memory is free before the new one's is taken
+        cache_.emplace(context_, tileLevels, bytes);
+    }
+    stride_ = 1 << subject.choice("mesh");
+    debug_ = subject.choice("debug");
+    makeMesh((1 << tileLevels) / stride_);
+    if (!raster_) {
+        gpu::ShaderSource vertex;
+        vertex.addFile("terrain/glsl/tile_vertex.glsl");
+        gpu::ShaderSource fragment;
+        fragment.addFile("terrain/glsl/tile_fragment.glsl");
+        raster_.emplace(context_, "terrain tiles", vertex, fragment,
+                        std::vector<gpu::Raster::Attribute>{
+                            {"grid", 2, true, false, 0},
+                            {"tile_place", 4, true, true, offsetof(Instance, place)},
+                            {"tile_height", 4, true, true, offsetof(Instance, height)},
+                            {"tile_scale", 4, false, true, offsetof(Instance, scale)},
+                        });
+    }
+    reversed_ = subject.text("depth_test") == "reversed" ||
+                (subject.text("depth_test") == "automatic" && gpu::canReverseDepth(context_));
+
+    basis_ = glm::mat3(glm::mat3_cast(camera.orientation()));
+    const double tangent = std::tan(0.5 * camera.fov());
+    const double aspect = static_cast<double>(size.x) / size.y;
+    film_ = glm::vec2(1.0 / (tangent * aspect), 1.0 / tangent);
+    focus_ = static_cast<float>(camera.focus());
+    lens_ = static_cast<float>(0.5 * scene.camera.number("aperture") * camera.focus());
+
+    view_.camera = glm::mat3_cast(camera.orientation());
+    view_.tanHalfFov = tangent * kWider;
+    view_.aspect = aspect;
+    view_.relief = site.relief;
+    view_.tileLevels = tileLevels;
+    view_.octaves = static_cast<int>(std::min<std::int64_t>(subject.integer("octaves"), Place::kLiveLevels - 8));
+    // Rays from the rim of a lens see a little farther.
+    view_.cullHorizon = lens_ == 0.0F;
+    const double pixels = subject.number("detail");
+    const TileCache::Maker maker = subject.text("heights") == "gpu" ||
+                                           (subject.text("heights") == "automatic" && !context_.capabilities().software)
+                                       ? TileCache::Maker::Gpu
+                                       : TileCache::Maker::Cpu;
+    cache_->begin(site.shape);
+    Stopwatch watch;
+    for (coarser_ = 1.0;; coarser_ *= 1.2) {
+        view_.ratio = splitRatio(size.y, tangent, pixels * coarser_, tileLevels);
+        selection_.select(place, view_);
+        if (static_cast<int>(selection_.tiles().size()) <= cache_->capacity() || view_.ratio <= kLeastRatio) break;
+    }
+    selectSeconds_ = watch.seconds();
+
+    watch = Stopwatch();
+    // By levels, from coarse to fine or the other way around; near ones first within a level.
+    std::vector<const Tile*> order;
+    for (const Tile& tile : selection_.tiles())
+        order.push_back(&tile);
+    std::stable_sort(order.begin(), order.end(), [this](const Tile* a, const Tile* b) {
+        return reversed_ ? a->level > b->level : a->level < b->level;
+    });
+    records_.clear();
+    groups_.clear();
+    const auto count = static_cast<int>(order.size());
+    for (int i = 0; i < count; ++i) {
+        const Tile& tile = *order[static_cast<std::size_t>(i)];
+        const glm::ivec2 at = cache_->place(tile, maker, kernels, stage);
+        if (at.x < 0) break; // more than there is room for: only with the least ratio
+        const glm::vec3 eye(selection_.camera());
+        const double edge = tile.spacing * (1 << tileLevels);
+        const glm::dvec2 least = glm::dvec2(tile.offset) * tile.spacing - glm::dvec2(eye);
+        const glm::dvec2 most = least + edge;
+        const glm::dvec3 reach(std::max(std::abs(least.x), std::abs(most.x)),
+                               std::max(std::abs(least.y), std::abs(most.y)),
+                               std::max(std::abs(tile.least), std::abs(tile.most)));
+        const auto farthest = static_cast<float>(1.01 * glm::length(reach));
+        const auto nearest = static_cast<float>(std::max(0.3 * tile.distance, 1e-3 * selection_.lastClearance()));
+        const auto index = static_cast<int>(records_.size());
+        const bool starts = groups_.empty() || order[static_cast<std::size_t>(i - 1)]->level != tile.level;
+        if (starts) groups_.push_back({index, 0, nearest, farthest});
+        Group& group = groups_.back();
+        ++group.count;
+        group.nearest = std::min(group.nearest, nearest);
+        group.farthest = std::max(group.farthest, farthest);
+        records_.push_back({{tile.offset, at},
+                            {tile.originHeight, static_cast<int>(tile.level - place.level()), 0, 0},
+                            {static_cast<float>(tile.spacing), static_cast<float>(tile.heightUnit), tile.morphScale,
+                             tile.morphOffset}});
+    }
+    if (!instances_)
+        instances_ = gpu::Buffer(context_, gpu::Buffer::Kind::Vertices, bytesOf(records_), "tiles");
+    else
+        instances_.upload(bytesOf(records_));
+    triangles_ = static_cast<std::int64_t>(records_.size()) * indexCount_ / 3;
+    makeSeconds_ = watch.seconds();
+
+    watch = Stopwatch();
+    // A ray's ground need not be finer than what is seen from the camera's height.
+    const double pixel = 2.0 * tangent / size.y;
+    const double height = std::max(selection_.lastClearance(), 1e-5);
+    clipmap_.update(place, std::max(2.5 * pixel, 1.0 / 220.0) * height, site.relief);
+    clipSeconds_ = watch.seconds();
+    zero_ = -render::difference(scene.camera.get<Decimal3>("position"), {}).z;
+}
+
+void Scenery::draw(glm::vec2 shift, glm::vec2 lens) {
+    if (orthographic_) return;
+    const glm::vec2 size(targets_.size());
+    raster_->set("tile_heights", cache_->heights());
+    raster_->set("tile_slopes", cache_->slopes());
+    raster_->set("tile_stride", stride_);
+    raster_->set("tile_mesh", stride_);
+    raster_->set("tile_cells", 1 << cache_->tileLevels());
+    raster_->set("tile_lines", std::max(0, debug_ - 1));
+    raster_->set("tile_camera", glm::vec3(selection_.camera()));
+    raster_->set("tile_clearance", static_cast<float>(selection_.lastClearance()));
+    raster_->set("tile_basis", basis_);
+    raster_->set("tile_film", film_);
+    raster_->set("tile_shift", 2.0F * shift / size);
+    raster_->set("tile_lens", glm::vec3(lens_ * lens, 1.0F / focus_));
+    targets_.clear(glm::vec4(0.0F), reversed_);
+    const gpu::Raster::Mesh mesh{vertices_, sizeof(glm::ivec2), indices_, indexCount_, instances_, sizeof(Instance)};
+    if (reversed_) {
+        const auto nearest = static_cast<float>(std::max(1e-3 * selection_.lastClearance(), 1e-9));
+        raster_->set("tile_depth", glm::vec3(0.0F, nearest, 0.0F));
+        raster_->draw(targets_, mesh, 0, static_cast<int>(records_.size()), gpu::Raster::Depth::Reversed);
+        return;
+    }
+    // Tiles of a level and of all finer ones fill a rectangle about the camera: a ray that has left it never enters it
+    // again. So each level hides all coarser ones, and each has all digits of the depth for itself.
+    for (const Group& group : groups_) {
+        const float n = group.nearest;
+        const float f = group.farthest;
+        raster_->set("tile_depth", glm::vec3(1.0F, (f + n) / (f - n), -2.0F * f * n / (f - n)));
+        targets_.clearDepth(false);
+        raster_->draw(targets_, mesh, group.first, group.count, gpu::Raster::Depth::Common);
+    }
+}
+
+void Scenery::bind(gpu::Kernel& kernel, const scene::Scene& scene) const {
+    kernel.setParameters("subject", scene.subject);
+    kernel.set("terrain_seen_position", position_);
+    kernel.set("terrain_seen_slope", slope_);
+    kernel.set("terrain_drawn", !orthographic_);
+    kernel.set("terrain_zero", static_cast<float>(zero_));
+    clipmap_.bind(kernel);
+}
+
+render::Surroundings Scenery::lookAround(const scene::Scene& scene, const glm::dvec3& way) {
+    const Place start = placeOf(scene);
+    const double relief = site_->relief;
+    render::Surroundings seen;
+    seen.distance = selection_.clearance(start, relief, view_.octaves);
+    const double length = glm::length(way);
+    // Who is under ground gets out wherever they like.
+    if (length == 0.0 || seen.distance <= 0.0) return seen;
+    // From bound to bound: within each there is nothing.
+    double gone = 0.0;
+    double free = seen.distance;
+    for (int i = 0; i < 300 && gone < length; ++i) {
+        const double next = std::min(gone + 0.9 * free, length);
+        Place place = start;
+        if (!place.move(way * (next / length) / glm::dvec3(1.0, 1.0, relief))) break;
+        free = selection_.clearance(place, relief, view_.octaves);
+        if (free < kNearest * seen.distance) break;
+        gone = next;
+    }
+    seen.freePart = gone / length;
+    return seen;
+}
+
+std::optional<double> Scenery::rebase(scene::Scene& scene) {
+    Place place = placeOf(scene);
+    const double relief = site_->relief;
+    double clearance = selection_.clearance(place, relief, view_.octaves);
+    double scale = 1.0;
+    while (clearance > 0.0 && clearance < 1.0 && scale < 1e6 && place.level() < Address::kMaxLevels) {
+        place.descend();
+        clearance *= 2.0;
+        scale *= 2.0;
+    }
+    while (clearance > 4.0 && scale > 1e-6 && place.level() > view_.octaves) {
+        place.ascend();
+        clearance *= 0.5;
+        scale *= 0.5;
+    }
+    if (scale == 1.0) return std::nullopt;
+    const scene::Camera camera(scene.camera);
+    const glm::dvec3 ahead = scale * render::difference(camera.target(), camera.position());
+    const glm::dvec3 position = place.position() * glm::dvec3(1.0, 1.0, relief);
+    const auto decimals = [](const glm::dvec3& v) { return Decimal3{Decimal(v.x), Decimal(v.y), Decimal(v.z)}; };
+    scene.camera.set("position", decimals(position));
+    scene.camera.set("target", decimals(position + ahead));
+    const double focus = scene.camera.number("focus") * scale;
+    if (focus > 0.0) scene.camera.set("focus", std::min(focus, 1e6));
+    scene.subject.set("address", place.address().toString());
+    scene.subject.set("depth", std::int64_t{0});
+    return scale;
+}
+
+std::vector<std::pair<std::string, double>> Scenery::counters() const {
+    return {{"tiles drawn", static_cast<double>(records_.size())},
+            {"tiles generated", cache_ ? static_cast<double>(cache_->generated()) : 0.0},
+            {"tiles cached", cache_ ? static_cast<double>(cache_->cached()) : 0.0},
+            {"tiles' room", cache_ ? static_cast<double>(cache_->capacity()) : 0.0},
+            {"triangles", static_cast<double>(triangles_)},
+            {"selection [ms]", 1e3 * selectSeconds_},
+            {"tile making [ms]", 1e3 * makeSeconds_},
+            {"clipmap [ms]", 1e3 * clipSeconds_}};
+}
+
+std::vector<std::string> Scenery::notes() const {
+    std::vector<std::string> notes;
+    if (coarser_ > 1.0) {
+        notes.push_back(fmt::format("subject.memory holds {} tiles: vertices are {:.1f} times as far apart as "
+                                    "subject.detail says",
+                                    cache_ ? cache_->capacity() : 0, coarser_));
+    }
+    if (selection_.lastClearance() <= 0.0 && !records_.empty())
+        notes.emplace_back("the camera is under the ground: raise camera.position");
+    return notes;
+}
+
+} // namespace apeiron::terrain

@@ -1,0 +1,75 @@
+#pragma once
+
+#include "gpu/kernel_cache.hpp"
+#include "terrain/selection.hpp"
+
+#include <list>
+#include <unordered_map>
+
+namespace apeiron::terrain {
+
+/// Heights and slopes of tiles in GPU memory, the last used ones kept. Two textures of equal squares: heights (fine,
+/// coarse) as integers, and their slopes as halves, interpolated. Needs its context current.
+class TileCache {
+  public:
+    /// Who computes heights.
+    enum class Maker { Cpu, Gpu };
+
+    /// @param tileLevels a tile has 2^tileLevels cells along a side
+    /// @param bytes most GPU memory that tiles take @throws Error (BadInput) when fewer than 16 tiles fit.
+    TileCache(const gpu::Context& context, int tileLevels, std::int64_t bytes);
+
+    int tileLevels() const { return tileLevels_; }
+    std::int64_t bytes() const { return bytes_; }
+    /// Tiles that there is room for.
+    int capacity() const { return across_ * across_; }
+
+    /// Begins a picture: tiles that are asked for from now on stay until the next one. Forgets all for another shape.
+    void begin(const Shape& shape);
+
+    /// The first texel of a tile's square; makes it when it is not there. @returns (-1, -1) when every tile is in use
+    glm::ivec2 place(const Tile& tile, Maker maker, gpu::KernelCache& kernels, gpu::Stage stage);
+
+    const gpu::Texture& heights() const { return heights_; } ///< RG32I: fine and coarse (see VertexHeights)
+    /// RGBA16F: slopes along x and y of the fine and of the coarse heights [cells' heights per cell]
+    const gpu::Texture& slopes() const { return slopes_; }
+
+    std::size_t cached() const { return index_.size(); }
+    std::int64_t generated() const { return generated_; } ///< since it was made
+
+  private:
+    struct Key {
+        std::int64_t level;
+        std::uint32_t x;
+        std::uint32_t y;
+        bool operator==(const Key&) const = default;
+    };
+    struct KeyHash {
+        std::size_t operator()(const Key& key) const;
+    };
+    struct Entry {
+        Key key;
+        int slot;
+        std::uint32_t turn;
+    };
+    void make(const Tile& tile, glm::ivec2 at, Maker maker, gpu::KernelCache& kernels, gpu::Stage stage);
+
+    const gpu::Context& context_;
+    int tileLevels_;
+    std::int64_t bytes_;
+    int side_;   ///< vertices along a tile's side
+    int across_; ///< tiles along the textures' side
+    gpu::Texture heights_;
+    gpu::Texture slopes_;
+    gpu::Targets heightTargets_;
+    Shape shape_;
+    std::uint32_t turn_ = 0;
+    std::list<Entry> entries_; ///< most recently used first
+    std::unordered_map<Key, std::list<Entry>::iterator, KeyHash> index_;
+    std::vector<VertexHeights> vertices_; ///< scratch
+    std::vector<float> slopeTexels_;
+    std::vector<std::int32_t> heightTexels_;
+    std::int64_t generated_ = 0;
+};
+
+} // namespace apeiron::terrain
