@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "core/suggest.hpp"
 #include "io/radiance_file.hpp"
+#include "io/volume_file.hpp"
 
 #include <fmt/format.h>
 
@@ -136,5 +137,6 @@ int guarded(int argc, char** argv) {
 
 int main(int argc, char** argv) {
     apeiron::io::registerPictureFiles();
+    apeiron::io::registerVolumeFiles();
     return apeiron::cli::guarded(argc, argv);
 }

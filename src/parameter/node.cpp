@@ -71,7 +71,9 @@ Invalidates Node::set(std::string_view name, Value value, const std::filesystem:
     if (parameter.path) {
         std::string& text = std::get<std::string>(value);
         const std::filesystem::path file(text);
-        if (!text.empty() && !base.empty() && file.is_relative()) text = (base / file).lexically_normal().string();
+        // (A bare word may be something's name.)
+        if (text.find_first_of("./") != std::string::npos && !base.empty() && file.is_relative())
+            text = (base / file).lexically_normal().string();
     }
     if (parameter.type != Type::Module) {
         if (current->second == value) return Invalidates::Nothing;

@@ -73,7 +73,8 @@ struct Parameter {
     bool uniform = false;     ///< declared by a GLSL uniform (else host only)
     std::string doc;          ///< one sentence for people
     std::string where;        ///< "file:line" of the declaration
-    bool path = false;        ///< a Text that names a file: relative ones are so to the document
+    bool path = false;        ///< a Text that names a file (or, without a '.' or '/', something else): relative
+                              ///< ones are so to the document
     bool nonZero = false;     ///< a vector that must have a direction (an axis, a quaternion)
     /// Judges a Structure's JSON: throws Error (BadInput) with the place inside it. Required for a Structure.
     void (*check)(const Json& json) = nullptr;

@@ -1,12 +1,32 @@
 #include "post/chain.hpp"
 
+#include "core/error.hpp"
+#include "parameter/text.hpp"
 #include "scene/camera.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 
 namespace apeiron::post {
 
 constexpr auto kFloat4 = gpu::PixelFormat::RGBA32F;
+
+namespace {
+
+/// How often an effect's kernel runs: its tag `passes`.
+int passesOf(const parameter::GlslModule& module) {
+    constexpr int kMostPasses = 32;
+    const auto tag = module.tags.find("passes");
+    if (tag == module.tags.end()) return 1;
+    const auto number = parameter::parseNumber(tag->second);
+    if (!number || *number < 1.0 || *number > kMostPasses || *number != std::floor(*number))
+        throw Error(ErrorKind::BadInput, fmt::format("#pragma apeiron passes needs a number from 1 to {}", kMostPasses),
+                    module.file);
+    return static_cast<int>(*number);
+}
+
+} // namespace
 
 gpu::ShaderSource effectSource(const parameter::Node& effect) {
     gpu::ShaderSource source;
@@ -27,15 +47,19 @@ Chain::Stop::Stop(const gpu::Context& context, glm::ivec2 size)
 
 Chain::Chain(const gpu::Context& context, gpu::KernelCache& cache, gpu::Stage stage, const scene::Scene& scene,
              glm::ivec2 size)
-    : size_(size) {
+    : noSamples_(context, kFloat4, {1, 1}, "no samples"), size_(size) {
     std::size_t active = 0;
     for (const parameter::Node& effect : scene.effects) {
         if (!effect.flag("enabled")) {
-            effects_.push_back(nullptr);
+            effects_.push_back({});
             continue;
         }
-        effects_.push_back(cache.get(effect.module("type").name, effectSource(effect), stage, {kFloat4}));
-        if (++active <= 2) stops_.push_back(std::make_unique<Stop>(context, size));
+        const parameter::GlslModule& module = effect.module("type");
+        effects_.push_back({cache.get(module.name, effectSource(effect), stage, {kFloat4}), passesOf(module)});
+        // Of several passes, each needs the one before it, and what the first one saw.
+        const std::size_t needed = std::min<std::size_t>(++active, 2) + (effects_.back().passes > 1 ? 2 : 0);
+        while (stops_.size() < std::min<std::size_t>(needed, 3))
+            stops_.push_back(std::make_unique<Stop>(context, size));
     }
     if (scene.post.text("exposure_mode") == "auto") meter_ = std::make_unique<Meter>(context, cache, stage);
     if (!meter_) noMeter_ = gpu::Texture(context, kFloat4, {1, 1}, "no meter");
@@ -59,21 +83,29 @@ void Chain::run(const scene::Scene& scene, const render::Picture& picture, const
     const bool orthographic = scene.camera.text("projection") == "orthographic";
     const double extent = camera.extent();
     const gpu::Texture* color = &picture.radiance;
-    std::size_t stop = 0;
     for (std::size_t i = 0; i < effects_.size(); ++i) {
-        if (!effects_[i]) continue;
-        gpu::Kernel& kernel = *effects_[i];
+        if (!effects_[i].kernel) continue;
+        gpu::Kernel& kernel = *effects_[i].kernel;
         kernel.setParameters("effect", scene.effects[i]);
-        kernel.set("effect_color", *color);
+        kernel.set("effect_input", *color);
+        kernel.set("effect_mean", picture.mean != nullptr ? *picture.mean : noSamples_);
+        kernel.set("effect_spread", picture.spread != nullptr ? *picture.spread : noSamples_);
         kernel.set("effect_geometry", picture.geometry);
         kernel.set("effect_albedo", picture.albedo);
         kernel.set("effect_size", size_);
         kernel.set("effect_focus", static_cast<float>(camera.focus()));
         kernel.set("effect_scale", static_cast<float>(size_.y / extent));
         kernel.set("effect_orthographic", orthographic);
-        kernel.run(stops_[stop]->targets, region, size);
-        color = &stops_[stop]->color;
-        stop = 1 - stop;
+        const gpu::Texture* input = color;
+        for (int pass = 0; pass < effects_[i].passes; ++pass) {
+            const auto free = std::find_if(stops_.begin(), stops_.end(), [&](const auto& stop) {
+                return &stop->color != color && &stop->color != input;
+            });
+            kernel.set("effect_pass", pass);
+            kernel.set("effect_color", *color);
+            kernel.run((*free)->targets, region, size);
+            color = &(*free)->color;
+        }
     }
     if (meter_ && size == size_) meter_->run(*color, scene.post.number("key"));
     if (meter_ && size != size_) meter_->warmUp(*color);

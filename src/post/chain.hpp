@@ -48,9 +48,14 @@ class Chain {
         gpu::Texture color;
         gpu::Targets targets;
     };
-    std::vector<std::shared_ptr<gpu::Kernel>> effects_; ///< null for a disabled one
-    std::unique_ptr<Meter> meter_;                      ///< null where the exposure is set by hand
-    gpu::Texture noMeter_;                              ///< what the display's kernel sees then
+    struct Effect {
+        std::shared_ptr<gpu::Kernel> kernel; ///< null for a disabled one
+        int passes = 1;
+    };
+    std::vector<Effect> effects_;
+    std::unique_ptr<Meter> meter_; ///< null where the exposure is set by hand
+    gpu::Texture noMeter_;         ///< what the display's kernel sees then
+    gpu::Texture noSamples_;       ///< what effects see while no sample is complete
     std::shared_ptr<gpu::Kernel> display_;
     std::shared_ptr<gpu::Kernel> screen_; ///< the same as fragments: what a window's framebuffer needs
     std::vector<std::unique_ptr<Stop>> stops_;

@@ -3,6 +3,10 @@
 uniform sampler2D effect_color;    // rgb radiance, w coverage
 uniform sampler2D effect_geometry; // xyz normal, w depth
 uniform sampler2D effect_albedo;   // rgb albedo, w part of samples that hit
+uniform sampler2D effect_mean;     // w samples of the pixel; 0 while the first one is not complete
+uniform sampler2D effect_spread;   // rgb sum of their squared deviations from the mean
+uniform sampler2D effect_input;    // of several passes (`#pragma apeiron passes N`): the picture before the first one
+uniform int effect_pass;           // 0 .. N - 1
 uniform ivec2 effect_size;         // [px]
 uniform float effect_focus;        // distance of the camera's plane of focus, along the axis
 uniform float effect_scale;        // height of a thing of size 1 at distance 1, or anywhere in parallel projection [px]

@@ -170,6 +170,9 @@ class KernelRenderer : public Renderer {
     void present(const Picture& picture, const Interleave& interleave, const Progress& progress,
                  const History* history) override {
         preparePresent(picture, interleave, progress, history).run(picture.targets);
+        // They are swapped with every sample: what is kept must be these.
+        picture.mean = empty_ ? nullptr : &front_->textures[0];
+        picture.spread = empty_ ? nullptr : &front_->textures[1];
     }
 
     Accumulation accumulation() const override {

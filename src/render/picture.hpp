@@ -23,6 +23,10 @@ struct Picture {
     gpu::Texture albedo;   ///< rgb, w part of the samples that hit something
     gpu::Texture point;    ///< xyz from the camera, w 1; background: direction, w 0. Only if it is asked for
     gpu::Targets targets;  ///< all, in this order
+    /// The accumulators that it was presented from (see glsl/accumulator_mean.glsl), the renderer's: for effects that
+    /// want to know how sure a pixel is. Null while no sample is complete.
+    mutable const gpu::Texture* mean = nullptr;
+    mutable const gpu::Texture* spread = nullptr;
 };
 
 } // namespace apeiron::render

@@ -140,7 +140,10 @@ void Session::apply(parameter::Invalidates what, bool sizeChanged) {
         subjectName_ = scene_.subject.type().name;
     }
     const bool fresh = renderer != nullptr;
-    if (fresh) renderer_ = std::move(renderer);
+    if (fresh) {
+        renderer_ = std::move(renderer);
+        picture_->mean = picture_->spread = nullptr; // they were the old one's
+    }
     chain_ = std::move(chain);
     stale_ = true;
     if (what == Invalidates::Program || sizeChanged) {

@@ -142,6 +142,7 @@ bool volume_enter(inout Ray ray, out MediumRay path) {
     vec3 far = max(a, b);
     ray.t_min = max(ray.t_min, max(near.x, max(near.y, near.z)));
     ray.t_max = min(ray.t_max, min(far.x, min(far.y, far.z)));
+    volume_clip(ray.origin, ray.direction, ray.t_min, ray.t_max);
     return ray.t_min < ray.t_max;
 }
 

@@ -19,6 +19,7 @@ namespace apeiron::volume {
 namespace {
 
 constexpr const char* kFile = "volume/volume.glsl";
+constexpr const char* kClipFile = "volume/volume_clip.glsl";
 constexpr const char* kSurfaceFile = "volume/volume_surface.glsl";
 
 /// What decides which voxels are shown, and how they are kept.
@@ -254,6 +255,7 @@ class VolumeSubject : public render::Subject {
         kernel.set("volume_iso_bricks", iso_.bricks);
         kernel.set("volume_to_grid", glm::mat3(grid.toGrid));
         const auto& position = scene.camera.get<parameter::Decimal3>("position");
+        kernel.set("clip_camera", glm::vec3(render::difference(position, {})));
         const glm::dvec3 camera = grid.origin + grid.toGrid * render::difference(position, {});
         kernel.set("volume_camera", glm::vec3(camera));
         kernel.set("volume_size", glm::vec3(grid.volume->size));
@@ -303,6 +305,7 @@ class Declare {
     }
     Declare& choices(std::vector<std::string> labels) { return parameter_.choices = std::move(labels), *this; }
     Declare& logarithmic() { return parameter_.logarithmic = true, *this; }
+    Declare& path() { return parameter_.path = true, *this; }
     Declare& samples() { return parameter_.invalidates = parameter::Invalidates::Samples, *this; }
     operator parameter::Parameter() const { return parameter_; } // NOLINT: converting is what it is for
 
@@ -316,7 +319,8 @@ std::vector<parameter::Parameter> hostParameters() {
     const auto word = [](const char* text) { return parameter::Value(std::string(text)); };
     return {
         Declare("source", Type::Text, word("cloud"),
-                "The data: a generated volume (cloud, hydrogen, fractal, shepp_logan, marschner_lobb), or a file"),
+                "The data: a generated volume (cloud, hydrogen, fractal, shepp_logan, marschner_lobb), or a file")
+            .path(),
         Declare("raw", Type::Text, word(""), "The file is bare voxels of that form, such as 128x128x128:uint8"),
         Declare("resolution", Type::Int, count(128), "Voxels along the longest side of a generated volume")
             .range(kMinGeneratedSize, kMaxGeneratedSize)
@@ -350,7 +354,7 @@ render::SubjectType subjectType() {
              "volume",
              "A measured or generated volume: a grid of values, seen by a transfer function",
              hostParameters(),
-             {kFile, kSurfaceFile}},
+             {kClipFile, kFile, kSurfaceFile}},
             {},
             [] { return std::unique_ptr<render::Subject>(new VolumeSubject); }};
 }
