@@ -39,6 +39,24 @@ std::vector<std::pair<std::string, std::string>> programChoices(const parameter:
     return all;
 }
 
+/// The scene with the first subject that has what a renderer needs, small where it is computed.
+scene::Scene subjectFor(const std::string& renderer, scene::Scene scene) {
+    scene.renderer.set("type", named(renderer));
+    for (const render::SubjectType& type : session::subjectTypes()) {
+        const std::set<std::string> given = type.create()->provides();
+        const auto& tags = scene.renderer.module("type").tags;
+        std::istringstream needs(tags.contains("needs") ? tags.at("needs") : "");
+        bool all = true;
+        for (std::string name; needs >> name;)
+            all = all && given.contains(name);
+        if (!all) continue;
+        scene.set("subject.type", type.node.name);
+        if (type.node.name == "volume") scene.set("subject.resolution", "16");
+        break;
+    }
+    return scene;
+}
+
 /// Scenes that together use every module and every choice that makes other kernels; not the product of all.
 std::vector<std::pair<std::string, scene::Scene>> scenesOfAllKinds() {
     std::vector<std::pair<std::string, scene::Scene>> scenes;
@@ -60,13 +78,19 @@ std::vector<std::pair<std::string, scene::Scene>> scenesOfAllKinds() {
         }
     }
     for (const std::string& renderer : parameter::moduleNames("renderers")) {
-        scene::Scene scene = plain;
+        scene::Scene scene = subjectFor(renderer, plain);
         scene.renderer.set("type", named(renderer));
+        scenes.emplace_back(renderer, scene);
         for (const auto& [name, value] : programChoices(scene.renderer)) {
             scene::Scene other = scene;
             other.renderer.setFromText(name, value);
             scenes.emplace_back(renderer + " " + name + "=" + value, other);
         }
+    }
+    for (const render::SubjectType& type : session::subjectTypes()) {
+        scene::Scene scene = plain;
+        scene.set("subject.type", type.node.name);
+        scenes.emplace_back(type.node.name, scene);
     }
     for (const std::string& environment : parameter::moduleNames("environments")) {
         scene::Scene scene = plain;
@@ -84,6 +108,7 @@ std::vector<NamedKernel> allKernels() {
         for (const render::SubjectType& type : session::subjectTypes()) {
             if (type.node.name == scene.subject.type().name) subject = type.create();
         }
+        subject->prepare(context(), scene);
         for (const bool specialise : {true, false}) {
             const render::BuildOptions options{Stage::Fragment, specialise};
             const std::string label = name + (specialise ? " specialised" : " variable");

@@ -12,5 +12,5 @@ vec3 tonemap(vec3 color) {
     vec3 place = clamp((mix(vec3(grey), color, saturation) - low) / width, 0.0, 1.0);
     // The power that takes the middle to 1/2.
     float power = -1.0 / log2(clamp((middle - low) / width, 0.001, 0.999));
-    return pow(max(place, 1e-9), vec3(power));
+    return pow(max(place, 1e-9), vec3(power)) * vec3(greaterThan(place, vec3(0.0))); // black is black, however low the power
 }
