@@ -72,10 +72,12 @@ void subdivide(const Octave& octave, Kernel kernel, const std::uint32_t* parents
     const std::uint32_t inner = 8U - 2U * outer;
     constexpr std::size_t kMost = (std::size_t{1} << kMaxTileLevels) + 8;
     std::array<std::uint32_t, kMost> sums; // not cleared: that would take longer than a small block
-    const auto columns = static_cast<std::size_t>((firstX + count - 1) / 2 + 2);
+    const int halves = (firstX + count - 1) / 2 + 2;
+    const auto columns = static_cast<std::size_t>(halves);
     assert(columns <= kMost && firstX >= 1 && firstY >= 1);
     for (int j = 0; j < count; ++j) {
-        const auto jj = static_cast<std::size_t>(firstY + j);
+        const int down = firstY + j;
+        const auto jj = static_cast<std::size_t>(down);
         const std::uint32_t* middle = parents + stride * (jj / 2);
         if (jj % 2 == 0) {
             const std::uint32_t* before = middle - stride;
@@ -90,7 +92,8 @@ void subdivide(const Octave& octave, Kernel kernel, const std::uint32_t* parents
         const std::uint32_t row = octave.row(2U * y + static_cast<std::uint32_t>(jj));
         const std::uint32_t firstColumn = 2U * x;
         for (int i = 0; i < count; ++i) {
-            const auto ii = static_cast<std::size_t>(firstX + i);
+            const int across = firstX + i;
+            const auto ii = static_cast<std::size_t>(across);
             const std::size_t m = ii / 2;
             const std::uint32_t sum =
                 ii % 2 == 0 ? inner * sums[m] + outer * (sums[m - 1] + sums[m + 1]) : 4U * (sums[m] + sums[m + 1]);

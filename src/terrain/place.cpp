@@ -231,7 +231,7 @@ glm::dvec3 Place::toCell(const Cell& cell) const {
 glm::dvec3 Place::to(const Place& other) const {
     assert(other.level() == level());
     const auto difference = [](std::uint32_t cell, std::uint32_t otherCell, std::uint64_t at, std::uint64_t otherAt) {
-        const double cells = static_cast<double>(static_cast<std::int32_t>(otherCell - cell));
+        const auto cells = static_cast<double>(static_cast<std::int32_t>(otherCell - cell));
         return cells + (std::ldexp(static_cast<double>(otherAt), -64) - std::ldexp(static_cast<double>(at), -64));
     };
     return {difference(block().x, other.block().x, x_, other.x_), difference(block().y, other.block().y, y_, other.y_),

@@ -32,8 +32,7 @@ std::size_t TileCache::KeyHash::operator()(const Key& key) const {
 }
 
 TileCache::TileCache(const gpu::Context& context, int tileLevels, std::int64_t bytes)
-    : context_(context), tileLevels_(tileLevels), bytes_(bytes), side_((1 << tileLevels) + 1),
-      across_(tilesAcross(context, side_, bytes)),
+    : tileLevels_(tileLevels), bytes_(bytes), side_((1 << tileLevels) + 1), across_(tilesAcross(context, side_, bytes)),
       heights_(context, gpu::PixelFormat::RG32I, {across_ * side_, across_ * side_}, "tile heights"),
       slopes_(context, gpu::PixelFormat::RGBA16F, {across_ * side_, across_ * side_}, "tile slopes"),
       heightTargets_(context, {&heights_}) {

@@ -54,7 +54,6 @@ class TileCache {
     };
     void make(const Tile& tile, glm::ivec2 at, Maker maker, gpu::KernelCache& kernels, gpu::Stage stage);
 
-    const gpu::Context& context_;
     int tileLevels_;
     std::int64_t bytes_;
     int side_;   ///< vertices along a tile's side

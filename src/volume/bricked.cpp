@@ -173,7 +173,8 @@ std::vector<BrickKey> BrickPyramid::bricksAlong(glm::dvec3 origin, glm::dvec3 di
     std::vector<BrickKey> keys;
     // A step over a border lands behind it: a thousandth of a voxel is nothing to see, and far more than rounding.
     constexpr double kStep = 1e-3;
-    for (t += kStep; t < end; t += kStep) {
+    t += kStep;
+    while (t < end) {
         const double width = spread * t;
         const int level = std::clamp(width > 1 ? static_cast<int>(std::floor(std::log2(width))) : 0, 0, levels() - 1);
         const int edge = kEdge << level;
@@ -183,7 +184,7 @@ std::vector<BrickKey> BrickPyramid::bricksAlong(glm::dvec3 origin, glm::dvec3 di
         double near = 0;
         double far = end;
         crossing(glm::dvec3(key.brick * edge), glm::dvec3((key.brick + 1) * edge), near, far);
-        t = std::max(t, far);
+        t = std::max(t, far) + kStep;
     }
     return keys;
 }

@@ -136,7 +136,7 @@ Volume hydrogen(int size, const Orbital& orbital, bool phases) {
     const double half = wave.radius();
     const RadialTable radial(wave, 1.74 * half); // up to the cube's corners
     const std::size_t count = voxelsPerChannel(volume);
-    float* voxels = mutableVoxels<float>(volume);
+    auto* voxels = mutableVoxels<float>(volume);
     const auto coordinate = [&](int i) { return half * ((2.0 * i + 1.0) / size - 1.0); };
     float most = 0;
     std::size_t index = 0;

@@ -58,7 +58,7 @@ std::shared_ptr<const Volume> loadVolume(const VolumeRequest& request) {
     const auto written = lastWritten(request.file);
     auto kept = all.loaded.begin();
     while (kept != all.loaded.end()) {
-        const std::shared_ptr<const Volume> volume = kept->volume.lock();
+        std::shared_ptr<const Volume> volume = kept->volume.lock();
         if (volume == nullptr) {
             kept = all.loaded.erase(kept);
         } else if (kept->request == request && kept->written == written) {
