@@ -240,9 +240,11 @@ std::vector<double> percentiles(const Volume& volume, const std::vector<double>&
     const Ranking ranking(volume, channel, time);
     if (ranking.count() == 0) return std::vector<double>(percentages.size(), 0.0);
     std::vector<std::int64_t> ranks;
+    ranks.reserve(percentages.size());
     for (const double percentage : percentages)
         ranks.push_back(rankOf(volume.slope < 0 ? 100 - percentage : percentage, ranking.count()));
     std::vector<double> values;
+    values.reserve(ranks.size());
     for (const float stored : ranking.at(ranks))
         values.push_back(volume.slope * stored + volume.intercept);
     return values;
