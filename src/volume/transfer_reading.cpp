@@ -251,7 +251,7 @@ parameter::Parameter transferParameter() {
         parameter.choices.push_back(preset.name);
     parameter.doc =
         "How values become colour and opacity: auto (from the data), a preset's name, a function, or a list "
-        "of one for each channel; see docs/volumes.md";
+        "of one for each channel";
     parameter.where = "src/volume/transfer_reading.cpp";
     return parameter;
 }
