@@ -69,7 +69,7 @@ Invalidates Node::set(std::string_view name, Value value, const std::filesystem:
     assert(current != values_.end());
 
     if (parameter.path) {
-        std::string& text = std::get<std::string>(value);
+        auto& text = std::get<std::string>(value);
         const std::filesystem::path file(text);
         // (A bare word may be something's name.)
         if (text.find_first_of("./") != std::string::npos && !base.empty() && file.is_relative())
