@@ -22,10 +22,12 @@ void Clipmap::update(const Place& place, double spacing, double relief) {
         levels_.fill({});
     }
     const std::int64_t deepest = place.level() + 20 + kBlockLevels;
-    const auto wanted = place.level() + static_cast<std::int64_t>(std::lround(-std::log2(spacing)));
+    const auto wanted = place.level() + static_cast<std::int64_t>(std::ceil(-std::log2(spacing)));
     const std::int64_t finest = std::clamp<std::int64_t>(wanted, kBlockLevels, deepest);
+    finest_ = static_cast<float>(spacing);
     const std::int64_t highest = std::max<std::int64_t>(0, place.level() - Place::kLiveLevels + 2) + kBlockLevels;
     count_ = static_cast<int>(std::clamp<std::int64_t>(finest - highest + 1, 1, kMostLevels));
+    slot_ = static_cast<int>(finest % kMostLevels);
     const std::int64_t exponent = heightExponent(shape_, place.level());
     const glm::dvec2 position(place.position());
     for (std::size_t k = 0; k < static_cast<std::size_t>(count_); ++k) {
@@ -46,13 +48,14 @@ void Clipmap::update(const Place& place, double spacing, double relief) {
                                within.y < 0.5 ? -kBlocks / 2 : 1 - kBlocks / 2);
         const std::uint32_t x = middle.x + static_cast<std::uint32_t>(first.x);
         const std::uint32_t y = middle.y + static_cast<std::uint32_t>(first.y);
-        Level& square = levels_[k];
-        // Another square of the same points may be there already, under another number.
+        // A level has its own slot: when the finest one changes, the others stay where they are.
+        const auto slot = static_cast<std::size_t>(level % kMostLevels);
+        Level& square = levels_[slot];
         if (square.level != level || square.x != x || square.y != y) {
             // The reference depends on the square alone: rounding is then the same whichever way the camera came.
             const Cell reference = place.cellNear(cellLevel, first.x + kBlocks / 2, first.y + kBlocks / 2);
             square = {level, x, y, reference.window[5]};
-            fill(place, k, cellLevel, first);
+            fill(place, slot, cellLevel, first);
         }
         const double point = edge / kBlock;
         const double unit =
@@ -70,8 +73,8 @@ void Clipmap::update(const Place& place, double spacing, double relief) {
     }
 }
 
-void Clipmap::fill(const Place& place, std::size_t index, std::int64_t cellLevel, glm::ivec2 first) {
-    const Level& square = levels_[index];
+void Clipmap::fill(const Place& place, std::size_t slot, std::int64_t cellLevel, glm::ivec2 first) {
+    const Level& square = levels_[slot];
     constexpr int kPoints = kBlock + 1;
     vertices_.resize(static_cast<std::size_t>(kPoints) * kPoints);
     texels_.resize(static_cast<std::size_t>(kSide) * kSide * 4);
@@ -94,13 +97,15 @@ void Clipmap::fill(const Place& place, std::size_t index, std::int64_t cellLevel
             }
         }
     }
-    const auto i = static_cast<int>(index);
+    const auto i = static_cast<int>(slot);
     texture_.upload(glm::ivec2(i % kAcross, i / kAcross) * kSide, {kSide, kSide}, std::span<const float>(texels_));
 }
 
 void Clipmap::bind(gpu::Kernel& kernel) const {
     kernel.set("terrain_clip", texture_);
     kernel.set("terrain_clip_count", count_);
+    kernel.set("terrain_clip_slot", slot_);
+    kernel.set("terrain_clip_finest", finest_);
     kernel.set("terrain_clip_place[0]", std::span<const glm::vec4>(places_));
     kernel.set("terrain_clip_unit[0]", std::span<const float>(units_));
 }

@@ -212,7 +212,13 @@ void Scenery::prepare(gpu::KernelCache& kernels, gpu::Stage stage, const scene::
     const double height = std::max(selection_.lastClearance(), 1e-5);
     clipmap_.update(place, std::max(2.5 * pixel, 1.0 / 220.0) * height, site.relief);
     clipSeconds_ = watch.seconds();
-    zero_ = -render::difference(scene.camera.get<Decimal3>("position"), {}).z;
+    relief_ = site.relief;
+    // Layers are counted from the terrain's own zero, whatever the address: in parts of the ring of heights.
+    for (std::size_t i = 0; i < layers_.size(); ++i) {
+        const auto bits = static_cast<unsigned>(32 + kFractionBits - 10) + static_cast<unsigned>(i);
+        const std::uint64_t within = place.height() & ((std::uint64_t{1} << bits) - 1U);
+        layers_[i] = static_cast<float>(std::ldexp(static_cast<double>(within), -static_cast<int>(bits)));
+    }
 }
 
 void Scenery::draw(glm::vec2 shift, glm::vec2 lens) {
@@ -254,7 +260,8 @@ void Scenery::bind(gpu::Kernel& kernel, const scene::Scene& scene) const {
     kernel.set("terrain_seen_position", position_);
     kernel.set("terrain_seen_slope", slope_);
     kernel.set("terrain_drawn", !orthographic_);
-    kernel.set("terrain_zero", static_cast<float>(zero_));
+    kernel.set("terrain_relief", static_cast<float>(relief_));
+    kernel.set("terrain_layers[0]", std::span<const float>(layers_));
     clipmap_.bind(kernel);
 }
 

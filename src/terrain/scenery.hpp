@@ -89,7 +89,8 @@ class Scenery {
     glm::vec2 film_{1.0F};
     float lens_ = 0.0F; ///< radius [world]
     float focus_ = 1.0F;
-    double zero_ = 0.0;
+    double relief_ = 1.0;
+    std::array<float, 24> layers_{}; ///< the camera's height in layers of 2^(i - 10) cells, 0..1
     double selectSeconds_ = 0.0;
     double makeSeconds_ = 0.0;
     double clipSeconds_ = 0.0;

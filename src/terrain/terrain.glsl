@@ -4,16 +4,17 @@
 // The `surface` interface of terrain: what the camera sees was drawn (tile_fragment.glsl); all other rays march over
 // the clipmap.
 
-uniform int shadow_steps; //! 56 [8, 400] log | Most steps along a shadow ray
+uniform int shadow_steps; //! 80 [8, 400] log | Most steps along a shadow ray
 uniform float occlusion_reach; //! 0.1 [0.005, 1] log | How far ambient occlusion looks, relative to the distance from the camera
 uniform float snow; //! 0.5 [0, 1] step 0.01 | How much of the ground the ground's second material covers: snow, sand, grass
-uniform float color_scale; //! 1 [0.05, 20] log | How fast the ground's colours change with height
+uniform float color_scale; //! 1 [0.05, 20] log | How fast the ground's colours change with height, where the ground has layers
 uniform int debug; //! none {none, levels, borders, wireframe} | Tiles' levels in colour, with their borders, with all lines of the mesh
 
 uniform sampler2D terrain_seen_position;
 uniform sampler2D terrain_seen_slope;
 uniform bool terrain_drawn; // false: camera rays march as well
-uniform float terrain_zero; // height of the address's corner from the camera [world]
+uniform float terrain_relief;      // one cell of height [world]
+uniform float terrain_layers[24]; // the camera's height in layers of 2^(i - 10) cells of height, 0..1
 
 vec4 terrain_slope; // of what the last ray met: as seen_slope
 bool terrain_seen;  // it was drawn
@@ -103,29 +104,38 @@ vec3 surface_leave(Hit hit, vec3 normal) {
     return p;
 }
 
+// By how much of the way behind it a ray's step is longer at least, so that shadow_steps steps reach the last square.
+float terrain_growth(float spacing) {
+    float reach = 110.0 * terrain_clip_spacing(terrain_clip_count - 1);
+    return max(exp(1.3 * log(max(reach / spacing, 2.0)) / float(shadow_steps)) - 1.0, 0.03);
+}
+
 // The narrowest passage over the ground, in units of the light's radius (after Quilez 2010), with steps and points that
 // grow with the distance: penumbras do, too.
 float surface_visibility(Hit hit, vec3 normal, vec3 direction, float t_max, float spread) {
     vec3 p = surface_leave(hit, normal);
     float spacing = terrain_clip_spacing(terrain_clip_level(p.xy, hit.footprint));
     float width = max(spread, 0.004);
-    float t = spacing;
+    // Steps of other lengths in each pixel and sample: what they miss would else be seen as ripples.
+    uvec2 bits = floatBitsToUint(hit.position.xy);
+    float stride = 0.85 + 0.3 * random_unit(random_hash(bits.x ^ random_hash(bits.y ^ random_hash(random_sample))));
+    float t = stride * spacing;
     float open = 1.0;
+    float growth = terrain_growth(spacing);
     for (int i = 0; i < shadow_steps && t < t_max; ++i) {
         vec3 q = p + t * direction;
-        int k = terrain_clip_level(q.xy, max(0.03 * t, spacing));
-        float d = q.z - terrain_ground(q.xy, k);
+        float d = q.z - terrain_ground(q.xy, terrain_clip_level(q.xy, max(0.3 * growth * t, spacing)));
         open = min(open, d / (t * width + 0.15 * spacing));
         if (open < -1.0 || terrain_clip_beyond(q.xy)) break;
-        t += max(max(0.45 * d, 0.05 * t), 0.7 * spacing);
+        t += stride * max(max(0.4 * d, growth * t), 0.7 * spacing);
     }
     float part = clamp(0.5 + 0.5 * open, 0.0, 1.0);
     return part * part * (3.0 - 2.0 * part);
 }
 
 March surface_march(Hit hit, vec3 normal) {
-    return March(surface_leave(hit, normal), vec3(0.0, 0.0, 1.0), 0.0, 1e30,
-                 terrain_clip_spacing(terrain_clip_level(hit.position.xy, hit.footprint)), 0.0, 0.0, 0);
+    float spacing = terrain_clip_spacing(terrain_clip_level(hit.position.xy, hit.footprint));
+    return March(surface_leave(hit, normal), vec3(0.0, 0.0, 1.0), 0.0, 1e30, spacing, 0.0, terrain_growth(spacing), 0);
 }
 
 void surface_march_to(inout March march, vec3 direction, float t_max) {
@@ -138,9 +148,9 @@ void surface_march_to(inout March march, vec3 direction, float t_max) {
 int surface_march_on(inout March march) {
     vec3 q = march.origin + march.t * march.direction;
     if (march.steps <= 0 || march.t >= march.t_max || terrain_clip_beyond(q.xy)) return march_free;
-    float d = q.z - terrain_ground(q.xy, terrain_clip_level(q.xy, max(0.03 * march.t, march.threshold)));
+    float d = q.z - terrain_ground(q.xy, terrain_clip_level(q.xy, max(0.3 * march.stride * march.t, march.threshold)));
     if (d < 0.0) return march_blocked;
-    march.t += max(max(0.45 * d, 0.05 * march.t), 0.7 * march.threshold);
+    march.t += max(max(0.4 * d, march.stride * march.t), 0.7 * march.threshold);
     --march.steps;
     return march_on;
 }
@@ -183,38 +193,55 @@ float surface_openness(Hit hit, vec3 normal) {
     return open * open;
 }
 
-// What a ground (grounds/NAME.glsl) knows of a place.
+// What a ground (grounds/NAME.glsl) knows of a place. All of it is relative to how large things are in the picture, so
+// that it looks alike at any depth, and changes without a step however the camera moves.
 struct Ground {
-    float height; // over the corner of the address's cell [world]
-    float rise;   // over the smooth ground at large, -1..1: ridges and hollows
-    float slope;  // sine of the steepness: 0 level, 1 a wall
-    float octave; // of the finest detail, counted from the address's level
-    float grain;  // a smooth random number of the place, 0..1
+    float rise;     // over the smooth ground around, -1..1: ridges and hollows
+    float altitude; // over the ground at large, -1..1: mountains and valleys
+    float slope;    // sine of the steepness: 0 level, 1 a wall
+    float grain;    // a smooth random number of the place, 0..1
+    vec2 layer;     // the height in layers of two thicknesses, the second twice the first: 0..1 in each
+    float thick;    // how much the second one counts, 0..1: ground_layers()
 };
 
+// A function of a layer's phase for both thicknesses: mix(f(g.layer.x), f(g.layer.y), g.thick).
 vec4 ground_material(Ground ground); // linear albedo, roughness
 
-float terrain_rise(vec3 p, int k) {
-    float s = terrain_clip_spacing(k);
-    return (p.z - terrain_ground(p.xy, k)) / (2.0 * s);
+// Height over the ground of squares `scale`, in units of twice their spacing; 0 where there are none.
+float terrain_rise(vec3 p, float scale) {
+    int k = int(ceil(scale));
+    float last = float(terrain_clip_count - 1);
+    vec2 known = step(vec2(k, k + 1), vec2(last));
+    ivec2 squares = min(ivec2(k, k + 1), ivec2(terrain_clip_count - 1));
+    float a = (p.z - terrain_ground(p.xy, squares.x)) / (2.0 * terrain_clip_spacing(squares.x));
+    float b = (p.z - terrain_ground(p.xy, squares.y)) / (2.0 * terrain_clip_spacing(squares.y));
+    return mix(known.x * a, known.y * b, 1.0 + scale - ceil(scale));
+}
+
+// Of the ground at large, with some of the detail: cover does not lie on single stones.
+float terrain_steepness(Hit hit, vec3 normal, float scale) {
+    float broad = min(scale, float(terrain_clip_count - 1));
+    float s = terrain_clip_spacing(0) * exp2(broad);
+    vec2 p = hit.position.xy;
+    float h = terrain_ground_at(p, broad);
+    vec2 tilt = vec2(terrain_ground_at(p + vec2(s, 0.0), broad), terrain_ground_at(p + vec2(0.0, s), broad)) - h;
+    tilt = mix(tilt / s, -normal.xy / max(normal.z, 0.05), 0.35);
+    return sqrt(1.0 - 1.0 / (1.0 + dot(tilt, tilt)));
 }
 
 Material surface_material(Hit hit, vec3 normal) {
-    int k = terrain_clip_level(hit.position.xy, hit.footprint);
-    float near = terrain_rise(hit.position, min(k + 3, terrain_clip_count - 1));
-    float far = terrain_rise(hit.position, min(k + 6, terrain_clip_count - 1));
+    float scale = terrain_clip_scale(hit.position.xy, hit.footprint);
     Ground ground;
-    ground.height = (hit.position.z - terrain_zero) * color_scale;
-    ground.rise = clamp(far, -1.0, 1.0);
-    ground.grain = clamp(0.5 + 0.8 * near, 0.0, 1.0);
-    // Of the ground at large, with some of the detail: cover does not lie on single stones.
-    int broad = min(k + 2, terrain_clip_count - 1);
-    float s = terrain_clip_spacing(broad);
-    float h = terrain_ground(hit.position.xy, broad);
-    vec2 tilt = vec2(terrain_ground(hit.position.xy + vec2(s, 0.0), broad), terrain_ground(hit.position.xy + vec2(0.0, s), broad)) - h;
-    tilt = mix(tilt / s, -normal.xy / max(normal.z, 0.05), 0.35);
-    ground.slope = sqrt(1.0 - 1.0 / (1.0 + dot(tilt, tilt)));
-    ground.octave = terrain_slope.z;
+    ground.rise = clamp(terrain_rise(hit.position, scale + 6.0), -1.0, 1.0);
+    ground.altitude = clamp(terrain_rise(hit.position, scale + 9.0), -1.0, 1.0);
+    ground.grain = clamp(0.5 + 0.8 * terrain_rise(hit.position, scale + 3.0), 0.0, 1.0);
+    ground.slope = terrain_steepness(hit, normal, scale + 2.0);
+    // Layers as thick as a part of the distance: as thin near as far, on the screen.
+    float thickness = clamp(10.0 + log2(0.35 * max(length(hit.position), 1e-6) / (color_scale * terrain_relief)), 0.0, 22.0);
+    int layer = int(floor(thickness));
+    vec2 heights = hit.position.z / terrain_relief * exp2(vec2(10 - layer, 9 - layer));
+    ground.layer = fract(vec2(terrain_layers[layer], terrain_layers[layer + 1]) + heights);
+    ground.thick = fract(thickness);
     vec4 m = ground_material(ground);
     if (debug > 0) {
         float hue = fract(0.381966 * terrain_slope.z);
