@@ -30,7 +30,7 @@ Image<float> readRadiance(const std::filesystem::path& path) {
     if (spec.width < 1 || spec.height < 1 || spec.width > kLargest || spec.height > kLargest || spec.depth > 1)
         throw fail("has a size that a picture of light cannot have");
     const auto channels = static_cast<std::size_t>(std::min(spec.nchannels, 4));
-    const bool encoded = spec.format == OIIO::TypeDesc::UINT8 || spec.format == OIIO::TypeDesc::UINT16;
+    const bool encoded = !spec.format.is_floating_point();
     const std::size_t pixels = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
     std::vector<float> values(pixels * channels);
     if (!input->read_image(0, 0, 0, static_cast<int>(channels), OIIO::TypeDesc::FLOAT, values.data()))
