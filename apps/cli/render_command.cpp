@@ -20,7 +20,7 @@
 namespace apeiron::cli {
 namespace {
 
-constexpr const char* kExamples =
+constexpr const char* kRenderExamples =
     "Examples:\n"
     "  apeiron render mandelbulb -o bulb.png --size 1280x720 --samples 128\n"
     "  apeiron render scene.json -o picture.png -o negative.exr --time 60\n"
@@ -270,7 +270,7 @@ int render(const RenderOptions& options) {
 void addRenderCommand(CLI::App& app, Action& action) {
     const auto options = std::make_shared<RenderOptions>();
     CLI::App* command = app.add_subcommand("render", "Render a scene into image files");
-    command->footer(kExamples);
+    command->footer(kRenderExamples);
     command->add_option("SCENE", options->scene, kSceneHelp)->required()->type_name("");
     command
         ->add_option("-o,--output", options->outputs,

@@ -1,6 +1,6 @@
 #include "gpu/texture.hpp"
 
-#include "gpu/gl.hpp"
+#include "gpu/texel_layout.hpp"
 
 #include <fmt/format.h>
 
@@ -11,15 +11,7 @@
 namespace apeiron::gpu {
 namespace {
 
-struct FormatInfo {
-    GLenum internal;
-    GLenum format;
-    GLenum type;
-    int channels;
-    int bytes;
-};
-
-FormatInfo info(PixelFormat format) {
+TexelLayout info(PixelFormat format) {
     switch (format) {
     case PixelFormat::R32F:
         return {GL_R32F, GL_RED, GL_FLOAT, 1, 4};
@@ -38,12 +30,6 @@ FormatInfo info(PixelFormat format) {
     }
     assert(false);
     return {};
-}
-
-void setLabel([[maybe_unused]] GLenum kind, [[maybe_unused]] GLuint name, [[maybe_unused]] const std::string& label) {
-#ifndef __EMSCRIPTEN__
-    if (epoxy_is_desktop_gl()) glObjectLabel(kind, name, static_cast<GLsizei>(label.size()), label.data());
-#endif
 }
 
 /// A framebuffer for reading one texture, for as long as it lives.
@@ -126,17 +112,11 @@ Texture& Texture::operator=(Texture&& other) noexcept {
 }
 
 void Texture::upload(std::span<const float> texels) {
-    const FormatInfo f = info(format_);
-    assert(f.type == GL_FLOAT && texels.size() == static_cast<std::size_t>(size_.x) *
-                                                      static_cast<std::size_t>(size_.y) *
-                                                      static_cast<std::size_t>(f.channels));
-    glBindTexture(GL_TEXTURE_2D, name_);
-    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, size_.x, size_.y, f.format, f.type, texels.data());
+    upload(glm::ivec2(0), size_, texels);
 }
 
 void Texture::upload(glm::ivec2 origin, glm::ivec2 size, std::span<const float> texels) {
-    const FormatInfo f = info(format_);
+    const TexelLayout f = info(format_);
     assert(f.type == GL_FLOAT && texels.size() == static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
                                                       static_cast<std::size_t>(f.channels));
     glBindTexture(GL_TEXTURE_2D, name_);
@@ -145,7 +125,7 @@ void Texture::upload(glm::ivec2 origin, glm::ivec2 size, std::span<const float> 
 }
 
 void Texture::upload(glm::ivec2 origin, glm::ivec2 size, std::span<const std::int32_t> texels) {
-    const FormatInfo f = info(format_);
+    const TexelLayout f = info(format_);
     assert(f.type == GL_INT && texels.size() == static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
                                                     static_cast<std::size_t>(f.channels));
     glBindTexture(GL_TEXTURE_2D, name_);

@@ -1,6 +1,6 @@
 #include "gpu/texture3d.hpp"
 
-#include "gpu/gl.hpp"
+#include "gpu/texel_layout.hpp"
 
 #include <fmt/format.h>
 
@@ -11,16 +11,8 @@
 namespace apeiron::gpu {
 namespace {
 
-struct FormatInfo {
-    GLenum internal;
-    GLenum format;
-    GLenum type;
-    int channels;
-    int bytes;
-};
-
-FormatInfo info(GridFormat format) {
-    static const std::array<FormatInfo, 9> kFormats{{
+TexelLayout info(GridFormat format) {
+    static const std::array<TexelLayout, 9> kFormats{{
         {GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1, 1},
         {GL_RG8, GL_RG, GL_UNSIGNED_BYTE, 2, 2},
         {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, 4, 4},
@@ -63,9 +55,7 @@ Texture3D::Texture3D(const Context& context, GridFormat format, glm::ivec3 size,
     for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
         glTexParameteri(GL_TEXTURE_3D, wrap, GL_CLAMP_TO_EDGE);
     setLinear(false);
-#ifndef __EMSCRIPTEN__
-    if (epoxy_is_desktop_gl()) glObjectLabel(GL_TEXTURE, name_, static_cast<GLsizei>(label.size()), label.data());
-#endif
+    setLabel(GL_TEXTURE, name_, label);
     try {
         context.check(("allocating " + label).c_str());
     } catch (...) {
@@ -95,7 +85,7 @@ void Texture3D::setLinear(bool linear) {
 }
 
 void Texture3D::upload(std::span<const std::byte> texels, int first, int slices) {
-    const FormatInfo f = info(format_);
+    const TexelLayout f = info(format_);
     assert(first >= 0 && slices >= 0 && first + slices <= size_.z);
     assert(texels.size() == static_cast<std::size_t>(size_.x) * static_cast<std::size_t>(size_.y) *
                                 static_cast<std::size_t>(slices) * static_cast<std::size_t>(f.bytes));

@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/suggest.hpp"
+#include "parameter/fail.hpp"
 #include "parameter/text.hpp"
 
 #include <algorithm>
@@ -9,10 +10,6 @@
 
 namespace apeiron::parameter {
 namespace {
-
-[[noreturn]] void fail(const std::string& what, const std::string& hint = {}) {
-    throw Error(ErrorKind::BadInput, what, {}, hint);
-}
 
 /// A word, or what stands inside a pair of brackets.
 struct Token {

@@ -5,6 +5,7 @@
 #include "core/resources.hpp"
 #include "core/suggest.hpp"
 #include "parameter/annotation.hpp"
+#include "parameter/fail.hpp"
 #include "parameter/glsl_lines.hpp"
 #include "parameter/text.hpp"
 
@@ -14,10 +15,6 @@ namespace apeiron::parameter {
 namespace {
 
 constexpr std::string_view kExtension = ".glsl";
-
-[[noreturn]] void fail(const std::string& what, const std::string& hint = {}) {
-    throw Error(ErrorKind::BadInput, what, {}, hint);
-}
 
 bool isIdentifierCharacter(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';

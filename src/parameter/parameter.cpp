@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/suggest.hpp"
+#include "parameter/fail.hpp"
 #include "parameter/text.hpp"
 
 #include <algorithm>
@@ -11,10 +12,6 @@
 
 namespace apeiron::parameter {
 namespace {
-
-[[noreturn]] void fail(const std::string& what, const std::string& hint = {}) {
-    throw Error(ErrorKind::BadInput, what, {}, hint);
-}
 
 /// What a GLSL uniform of that type can hold; a host-only parameter has no such limit.
 double limitOf(const Parameter& parameter) {

@@ -3,7 +3,7 @@
 namespace apeiron::post {
 namespace {
 
-constexpr auto kFloat4 = gpu::PixelFormat::RGBA32F;
+constexpr auto kTexel = gpu::PixelFormat::RGBA32F;
 constexpr glm::ivec2 kBlocks{32, 32};
 constexpr int kBins = 256; ///< of a quarter of a stop: 32 stops up and down
 /// What counts: a dark background may fill a third of the picture, the brightest twentieth are lights and glints.
@@ -18,13 +18,13 @@ gpu::ShaderSource Meter::source(const std::string& pass) {
 }
 
 Meter::Stop::Stop(const gpu::Context& context, glm::ivec2 size, const std::string& label)
-    : color(context, kFloat4, size, label), targets(context, {&color}) {}
+    : color(context, kTexel, size, label), targets(context, {&color}) {}
 
 Meter::Meter(const gpu::Context& context, gpu::KernelCache& cache, gpu::Stage stage)
     : grid_(context, kBlocks, "meter grid"), histogram_(context, {kBins, 1}, "meter histogram"),
-      result_(context, {1, 1}, "meter result"), gridKernel_(cache.get("meter grid", source("grid"), stage, {kFloat4})),
-      histogramKernel_(cache.get("meter histogram", source("histogram"), stage, {kFloat4})),
-      resultKernel_(cache.get("meter result", source("result"), stage, {kFloat4})) {}
+      result_(context, {1, 1}, "meter result"), gridKernel_(cache.get("meter grid", source("grid"), stage, {kTexel})),
+      histogramKernel_(cache.get("meter histogram", source("histogram"), stage, {kTexel})),
+      resultKernel_(cache.get("meter result", source("result"), stage, {kTexel})) {}
 
 void Meter::run(const gpu::Texture& color, double key, bool one) {
     const auto pass = [&](gpu::Kernel& kernel, const Stop& stop) {

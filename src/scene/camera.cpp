@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 
 namespace apeiron::scene {
 
 using parameter::Decimal3;
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Nearest that orbit() comes to a pole [rad]: there, up and the view direction become parallel.
 constexpr double kPoleMargin = 1e-3;
@@ -42,7 +41,7 @@ glm::dvec3 normalized(const glm::dvec3& v) {
 }
 
 /// to - from: exact, then rounded once.
-glm::dvec3 difference(const Decimal3& to, const Decimal3& from) {
+glm::dvec3 displacement(const Decimal3& to, const Decimal3& from) {
     glm::dvec3 result;
     for (int i = 0; i < 3; ++i) {
         const auto axis = static_cast<std::size_t>(i);
@@ -110,7 +109,7 @@ glm::dquat Camera::orientation() const {
             glm::normalize(q / std::max({std::abs(q.x), std::abs(q.y), std::abs(q.z), std::abs(q.w)}));
         return {unit.w, unit.x, unit.y, unit.z};
     }
-    const glm::dvec3 ahead = difference(target(), position());
+    const glm::dvec3 ahead = displacement(target(), position());
     const glm::dvec3 direction = ahead == glm::dvec3(0) ? glm::dvec3(0, 1, 0) : normalized(ahead);
     return lookAlong(direction, normalized(node_.vec3("up"))) *
            turn(glm::radians(node_.number("roll")), glm::dvec3(0, 0, 1));
@@ -133,7 +132,7 @@ double Camera::fov() const {
 }
 
 double Camera::distance() const {
-    return length(difference(target(), position()));
+    return length(displacement(target(), position()));
 }
 
 double Camera::extent() const {
@@ -171,7 +170,7 @@ void Camera::frame(const glm::dvec3& center, double radius, double aspect, const
 void Camera::orbit(double yaw, double pitch) {
     if (!std::isfinite(yaw) || !std::isfinite(pitch)) return;
     makeOrbit();
-    const glm::dvec3 offset = difference(position(), target());
+    const glm::dvec3 offset = displacement(position(), target());
     const double radius = length(offset);
     if (radius == 0 || (yaw == 0 && pitch == 0)) return;
 
@@ -185,7 +184,7 @@ void Camera::orbit(double yaw, double pitch) {
     const glm::dvec3 sideways = lookAlong(-outward, axis) * glm::dvec3(1, 0, 0);
     // Horizontal direction from the target to the camera; well defined at the poles, too.
     const glm::dvec3 level = normalized(glm::cross(sideways, axis));
-    const double limit = kPi / 2 - kPoleMargin;
+    const double limit = std::numbers::pi / 2 - kPoleMargin;
     const double elevation = std::atan2(glm::dot(outward, axis), glm::dot(outward, level));
     const double raised = std::clamp(elevation + turnUp, -limit, limit);
     const glm::dvec3 direction =
@@ -197,7 +196,7 @@ void Camera::zoom(double factor) {
     assert(factor > 0);
     if (!std::isfinite(factor) || factor <= 0) return;
     if (!orbiting()) aimTarget();
-    const glm::dvec3 offset = difference(position(), target());
+    const glm::dvec3 offset = displacement(position(), target());
     const double radius = length(offset);
     if (radius == 0 || factor == 1) return;
     const double changed = std::clamp(radius * factor, kSmallestDistance, kLargestDistance);

@@ -115,8 +115,6 @@ bool Scene::operator==(const Scene& other) const {
            post == other.post && effects == other.effects && output == other.output;
 }
 
-namespace {
-
 parameter::Invalidates difference(const Node& from, const Node& to) {
     if (from == to) return parameter::Invalidates::Nothing;
     if (from.type().name != to.type().name) return parameter::Invalidates::Program;
@@ -128,16 +126,13 @@ parameter::Invalidates difference(const Node& from, const Node& to) {
     return result;
 }
 
-/// @param count what another number of nodes makes stale
 parameter::Invalidates difference(const std::vector<Node>& from, const std::vector<Node>& to,
-                                  parameter::Invalidates count) {
-    parameter::Invalidates result = from.size() == to.size() ? parameter::Invalidates::Nothing : count;
+                                  parameter::Invalidates structure) {
+    parameter::Invalidates result = from.size() == to.size() ? parameter::Invalidates::Nothing : structure;
     for (std::size_t i = 0; i < std::min(from.size(), to.size()); ++i)
         result = strongest(result, difference(from[i], to[i]));
-    return result;
+    return std::min(result, structure);
 }
-
-} // namespace
 
 parameter::Invalidates difference(const Scene& from, const Scene& to) {
     using parameter::Invalidates;

@@ -75,6 +75,16 @@ class Scene {
 /// What going from one scene to another makes stale: the most far-reaching of all that differs.
 parameter::Invalidates difference(const Scene& from, const Scene& to);
 
+/// What going from one node to another makes stale.
+parameter::Invalidates difference(const parameter::Node& from, const parameter::Node& to);
+
+/// What going from one list of nodes to another makes stale.
+/// @param structure what another number or other types of nodes make stale, and the most that any edit of the list
+/// does:
+///                  lights are arrays of uniforms, and the post chain's kernels never touch samples
+parameter::Invalidates difference(const std::vector<parameter::Node>& from, const std::vector<parameter::Node>& to,
+                                  parameter::Invalidates structure);
+
 /// The more far-reaching of two (Program > Samples > Present > Nothing).
 parameter::Invalidates strongest(parameter::Invalidates a, parameter::Invalidates b);
 

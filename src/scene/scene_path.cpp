@@ -46,34 +46,13 @@ std::vector<std::string> splitPath(std::string_view path) {
     return keys;
 }
 
-/// What changes from one node to another make stale.
-Invalidates difference(const Node& a, const Node& b) {
-    if (a.type().name != b.type().name) return Invalidates::Program;
-    Invalidates result = Invalidates::Nothing;
-    for (const auto& [one, other] : {std::pair(&a, &b), std::pair(&b, &a)})
-        for (const parameter::Parameter& parameter : one->schema()) {
-            const bool same = other->schema().find(parameter.name) != nullptr &&
-                              one->value(parameter.name) == other->value(parameter.name);
-            if (!same) result = strongest(result, parameter.invalidates);
-        }
-    return result;
-}
-
 /// One of the scene's lists of nodes.
 struct List {
     std::vector<Node>& nodes;
     std::string role;
     std::size_t limit;
-    Invalidates structure; ///< what other nodes make stale, and the most that any edit of the list does: lights are
-                           ///< arrays of uniforms, and the post chain's kernels never touch samples
+    Invalidates structure; ///< as difference() takes it
 };
-
-Invalidates difference(const std::vector<Node>& a, const std::vector<Node>& b, Invalidates structure) {
-    Invalidates result = a.size() == b.size() ? Invalidates::Nothing : structure;
-    for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
-        result = strongest(result, difference(a[i], b[i]));
-    return std::min(result, structure);
-}
 
 /// Performs one edit on a scene, which is left as it was by an edit that throws.
 class Edit {

@@ -6,11 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace apeiron::volume {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 double factorial(int n) {
     return std::tgamma(n + 1.0);
@@ -26,7 +25,8 @@ class Wave {
                         fmt::format("there is no orbital n = {}, l = {}, m = {}", orbital.n, orbital.l, orbital.m), {},
                         "n is 1 to 10, l is 0 to n - 1, m is -l to l");
         const double radial = std::pow(2.0 / n_, 3) * factorial(n_ - l_ - 1) / (2 * n_ * factorial(n_ + l_));
-        const double angular = (2 * l_ + 1) / (4 * kPi) * factorial(l_ - m_) / factorial(l_ + m_) * (m_ == 0 ? 1 : 2);
+        const double angular =
+            (2 * l_ + 1) / (4 * std::numbers::pi) * factorial(l_ - m_) / factorial(l_ + m_) * (m_ == 0 ? 1 : 2);
         radialScale_ = std::sqrt(radial);
         angularScale_ = std::sqrt(angular);
     }

@@ -10,11 +10,10 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <numbers>
 
 namespace apeiron::volume {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 void requireSize(int size) {
     if (size < kMinGeneratedSize || size > kMaxGeneratedSize)
@@ -64,7 +63,7 @@ const std::array<Ellipsoid, 10> kHead{{
 
 /// How much of a voxel of width `h` around `p` is inside, from the first-order distance to the surface.
 double share(const Ellipsoid& e, glm::dvec3 p, double h) {
-    const double angle = e.turn * kPi / 180;
+    const double angle = e.turn * std::numbers::pi / 180;
     const glm::dvec3 d = p - e.centre;
     const glm::dvec3 q =
         glm::dvec3(std::cos(angle) * d.x + std::sin(angle) * d.y, std::cos(angle) * d.y - std::sin(angle) * d.x, d.z) /
@@ -118,8 +117,8 @@ double marschnerLobbValue(glm::dvec3 p) {
     constexpr double kFrequency = 6;
     constexpr double kAlpha = 0.25;
     const double r = std::sqrt(p.x * p.x + p.y * p.y);
-    const double rings = std::cos(2 * kPi * kFrequency * std::cos(kPi * r / 2));
-    return (1 - std::sin(kPi * p.z / 2) + kAlpha * (1 + rings)) / (2 * (1 + kAlpha));
+    const double rings = std::cos(2 * std::numbers::pi * kFrequency * std::cos(std::numbers::pi * r / 2));
+    return (1 - std::sin(std::numbers::pi * p.z / 2) + kAlpha * (1 + rings)) / (2 * (1 + kAlpha));
 }
 
 Volume marschnerLobb(int size) {

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <numbers>
 
 // DICOM PS3.3, C.7.6.2: where slices are in the patient is in their ImagePositionPatient and ImageOrientationPatient
 // alone; neither names, nor instance numbers, nor the thickness of slices say so.
@@ -18,8 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 using volume::Modality;
 using volume::Volume;
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// A file's header.
 struct Slice {
@@ -271,7 +270,7 @@ void setGrid(Volume& volume, const std::vector<Slice>& slices, std::size_t times
             throw Error(ErrorKind::Io, fmt::format("its slices are not in one line: {} is {:.3g} mm beside it",
                                                    slices[i].file.filename().string(), off));
     }
-    const double tilt = std::atan(glm::length(along - normal)) * 180 / kPi;
+    const double tilt = std::atan(glm::length(along - normal)) * 180 / std::numbers::pi;
     if (tilt > 0.1)
         volume.messages.push_back(
             fmt::format("slices are tilted by {:.3g} degrees (gantry tilt): the grid is sheared by as much", tilt));

@@ -71,7 +71,7 @@ std::size_t bytesOf(Element element) {
 }
 
 std::size_t requireMemory(const Shape& shape, Element element, std::size_t limit) {
-    double bytes = static_cast<double>(bytesOf(element));
+    auto bytes = static_cast<double>(bytesOf(element));
     for (const std::uint64_t n : {shape.x, shape.y, shape.z, shape.channels, shape.times}) {
         if (n < 1) throw Error(ErrorKind::Io, "its header says that it is empty: it is damaged");
         bytes *= static_cast<double>(n);

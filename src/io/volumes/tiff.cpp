@@ -20,7 +20,7 @@ using OIIO::ImageSpec;
 using OIIO::TypeDesc;
 using volume::Volume;
 
-std::unique_ptr<ImageInput> opened(const fs::path& file) {
+std::unique_ptr<ImageInput> openedPicture(const fs::path& file) {
     auto input = ImageInput::create("tiff");
     ImageSpec spec;
     ImageSpec wishes;
@@ -80,7 +80,7 @@ Pages pagesOf(const std::vector<fs::path>& files, Volume& volume) {
     Pages result;
     std::size_t others = 0;
     for (std::size_t file = 0; file < files.size(); ++file) {
-        const std::unique_ptr<ImageInput> input = opened(files[file]);
+        const std::unique_ptr<ImageInput> input = openedPicture(files[file]);
         for (int number = 0; number < kMostPages && input->seek_subimage(number, 0); ++number) {
             const ImageSpec spec = input->spec_dimensions(number);
             if (result.pages.empty()) {
@@ -107,7 +107,7 @@ class PageReader {
 
     void read(const Page& page, std::byte* to) {
         if (input_ == nullptr || file_ != page.file) {
-            input_ = opened(files_[page.file]);
+            input_ = openedPicture(files_[page.file]);
             file_ = page.file;
         }
         if (!input_->read_image(page.number, 0, 0, spec_.nchannels, spec_.format, to)) {
