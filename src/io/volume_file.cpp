@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <fcntl.h>
@@ -60,6 +61,24 @@ Volume readRaw(const VolumeRequest& request) {
     }
 }
 
+/// How long reading may take [s]: no disk and no library is that slow.
+unsigned timeLimit(const VolumeRequest& request) {
+    constexpr double kLeast = 60;
+    constexpr double kBytesPerSecond = 1e6;
+    std::error_code error;
+    double bytes = 0;
+    if (fs::is_directory(request.file, error)) {
+        for (fs::directory_iterator entry(request.file, error), end; !error && entry != end; entry.increment(error)) {
+            std::error_code ignored;
+            const std::uintmax_t size = fs::file_size(entry->path(), ignored);
+            if (!ignored) bytes += static_cast<double>(size);
+        }
+    } else {
+        bytes = static_cast<double>(fs::file_size(request.file, error));
+    }
+    return static_cast<unsigned>(std::min(kLeast + bytes / kBytesPerSecond, 1e5));
+}
+
 /// The program that reads: beside ours, or where the build put it.
 fs::path readerProgram() {
     std::error_code ignored;
@@ -83,8 +102,10 @@ class Reader {
         posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
         posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
         posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-        std::array<std::string, 4> texts{program.string(), request.file.string(), request.grid, std::to_string(limit)};
-        std::array<char*, 5> arguments{texts[0].data(), texts[1].data(), texts[2].data(), texts[3].data(), nullptr};
+        std::array<std::string, 5> texts{program.string(), request.file.string(), request.grid, std::to_string(limit),
+                                         std::to_string(timeLimit(request))};
+        std::array<char*, 6> arguments{texts[0].data(), texts[1].data(), texts[2].data(),
+                                       texts[3].data(), texts[4].data(), nullptr};
         const int code = ::posix_spawn(&process_, program.c_str(), &actions, nullptr, arguments.data(), environ);
         posix_spawn_file_actions_destroy(&actions);
         ::close(ends[1]);

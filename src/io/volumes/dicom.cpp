@@ -1,6 +1,8 @@
 #include "core/error.hpp"
 #include "io/volumes/itk_elements.hpp"
+#include "io/volumes/serve.hpp"
 #include "io/volumes/volumes.hpp"
+#include "io/volumes/whole.hpp"
 
 #include <fmt/format.h>
 #include <itkGDCMImageIO.h>
@@ -44,6 +46,7 @@ std::string tag(itk::GDCMImageIO& io, const char* key) {
 }
 
 itk::GDCMImageIO::Pointer opened(const fs::path& file) {
+    blame(file);
     const itk::GDCMImageIO::Pointer io = itk::GDCMImageIO::New();
     io->SetFileName(file.string());
     io->ReadImageInformation();
@@ -71,6 +74,8 @@ Slice readHeader(const fs::path& file) {
         slice.row = {row[0], row[1], row[2]};
         slice.column = {column[0], column[1], column[2]};
     }
+    requireDicomPixels(file, slice.shape.x * slice.shape.y * slice.shape.z * slice.shape.channels *
+                                 static_cast<std::size_t>(std::strtol(tag(*io, "0028|0100").c_str(), nullptr, 10)) / 8);
     double finite = glm::dot(slice.origin, slice.origin);
     finite +=
         glm::dot(slice.spacing, slice.spacing) + glm::dot(slice.row, slice.row) + glm::dot(slice.column, slice.column);
@@ -90,15 +95,14 @@ std::string stackOf(const Slice& s) {
 /// The largest stack of slices that belong together.
 std::vector<Slice> chosenStack(const std::vector<fs::path>& files, Volume& volume) {
     std::map<std::string, std::vector<Slice>> stacks;
-    std::string problem;
+    std::string first;
     std::size_t unreadable = 0;
     for (const fs::path& file : files) {
         try {
             Slice slice = readHeader(file);
             stacks[stackOf(slice)].push_back(std::move(slice));
-        } catch (const std::exception& error) {
-            ++unreadable;
-            problem = error.what();
+        } catch (const std::exception&) {
+            if (unreadable++ == 0) first = file.filename().string();
         }
     }
     if (stacks.empty())
@@ -106,7 +110,8 @@ std::vector<Slice> chosenStack(const std::vector<fs::path>& files, Volume& volum
                     files.size() == 1 ? "is damaged, or holds no picture" : "holds no pictures that can be read");
     if (unreadable > 0)
         volume.messages.push_back(
-            fmt::format("{} files that are damaged or hold no picture were left out", unreadable));
+            fmt::format("{} of {} files are left out since they are damaged or hold no picture, {} for one", unreadable,
+                        files.size(), inQuotes(first)));
     const auto largest = std::max_element(stacks.begin(), stacks.end(), [](const auto& a, const auto& b) {
         return a.second.size() * a.second.front().shape.z < b.second.size() * b.second.front().shape.z;
     });
@@ -194,8 +199,7 @@ class SliceReader {
     explicit SliceReader(const std::vector<Slice>& slices) : slices_(slices), element_(slices.front().element) {
         for (const Slice& slice : slices)
             if (slice.element != element_) mixed_ = true;
-        if (mixed_ || bytesOf(element_) > 4 || element_ == Element::UInt32 || element_ == Element::Int32)
-            element_ = Element::Float32;
+        if (mixed_ || bytesOf(element_) > 4) element_ = Element::Float32;
     }
 
     Element element() const { return element_; }
@@ -224,13 +228,13 @@ class SliceReader {
 };
 
 template <class T>
-void mix(std::byte* to, const std::vector<std::byte>& a, const std::vector<std::byte>& b, float weight) {
+void mix(std::byte* to, const std::vector<std::byte>& a, const std::vector<std::byte>& b, double weight) {
     for (std::size_t i = 0; i < a.size(); i += sizeof(T)) {
         T x{};
         T y{};
         std::memcpy(&x, a.data() + i, sizeof(T));
         std::memcpy(&y, b.data() + i, sizeof(T));
-        float value = static_cast<float>(x) + weight * (static_cast<float>(y) - static_cast<float>(x));
+        double value = static_cast<double>(x) + weight * (static_cast<double>(y) - static_cast<double>(x));
         if constexpr (std::is_integral_v<T>) value = std::round(value);
         const T result = static_cast<T>(value);
         std::memcpy(to + i, &result, sizeof(T));
@@ -238,7 +242,7 @@ void mix(std::byte* to, const std::vector<std::byte>& a, const std::vector<std::
 }
 
 void mix(Element element, std::byte* to, const std::vector<std::byte>& a, const std::vector<std::byte>& b,
-         float weight) {
+         double weight) {
     if (weight <= 0 || weight >= 1) {
         std::memcpy(to, weight <= 0 ? a.data() : b.data(), a.size());
         return;
@@ -252,6 +256,10 @@ void mix(Element element, std::byte* to, const std::vector<std::byte>& a, const 
         return mix<std::uint16_t>(to, a, b, weight);
     case Element::Int16:
         return mix<std::int16_t>(to, a, b, weight);
+    case Element::UInt32:
+        return mix<std::uint32_t>(to, a, b, weight);
+    case Element::Int32:
+        return mix<std::int32_t>(to, a, b, weight);
     default:
         return mix<float>(to, a, b, weight);
     }
@@ -351,7 +359,7 @@ Volume readDicom(const std::vector<fs::path>& files, std::size_t limit) {
             double weight = (place - places[below]) / (places[below + 1] - places[below]);
             if (sampling.even) weight = z == below ? 0 : 1;
             std::vector<std::byte> mixed(a.size());
-            mix(reader.element(), mixed.data(), a, b, static_cast<float>(std::clamp(weight, 0.0, 1.0)));
+            mix(reader.element(), mixed.data(), a, b, std::clamp(weight, 0.0, 1.0));
             for (std::size_t channel = 0; channel < shape.channels; ++channel)
                 std::memcpy(to(time, channel, z), mixed.data() + channel * plane, plane);
         }

@@ -47,20 +47,17 @@ template <class From> void setWide(Volume& volume, const std::vector<std::byte>&
         if (low >= From{0} && high <= From{65535}) {
             volume.type = VoxelType::UInt16;
             volume.voxels = converted<From, std::uint16_t>(elements);
-            volume.messages.push_back(fmt::format("{} values are kept in 16 bits, exactly", name));
             return;
         }
         if (static_cast<double>(low) >= -32768.0 && static_cast<double>(high) <= 32767.0) {
             volume.type = VoxelType::Int16;
             volume.voxels = converted<From, std::int16_t>(elements);
-            volume.messages.push_back(fmt::format("{} values are kept in 16 bits, exactly", name));
             return;
         }
     }
     volume.type = VoxelType::Float32;
     volume.voxels = converted<From, float>(elements);
-    volume.messages.push_back(
-        fmt::format("{} values are kept as 32-bit floats, {}", name, exact ? "exactly" : "rounded to 24 bits"));
+    if (!exact) volume.messages.push_back(fmt::format("{} values are rounded to floats of 24 bits", name));
 }
 
 } // namespace

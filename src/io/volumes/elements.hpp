@@ -21,7 +21,8 @@ struct Shape {
 std::size_t requireMemory(const Shape& shape, Element element, std::size_t limit);
 
 /// Makes the elements the volume's voxels: as they are, or integers of more than 16 bits as 16 bits where they fit,
-/// else as 32-bit floats, with a message. @param elements in the volume's order (channels one after the other)
+/// else as 32-bit floats, with a message where that rounds. @param elements in the volume's order (channels one after
+/// the other)
 void setVoxels(volume::Volume& volume, const Shape& shape, Element element, std::vector<std::byte> elements);
 
 /// From all channels of a voxel side by side to one channel after the other, `kept` of `channels` at each point of

@@ -1,6 +1,7 @@
 #include "core/error.hpp"
 #include "io/volumes/itk_elements.hpp"
 #include "io/volumes/volumes.hpp"
+#include "io/volumes/whole.hpp"
 
 #include <fmt/format.h>
 #include <itkMetaImageIO.h>
@@ -120,6 +121,7 @@ std::vector<std::byte> readElements(itk::ImageIOBase& io, std::size_t bytes) {
 }
 
 Volume readItk(const std::filesystem::path& file, VolumeKind kind, std::size_t limit) {
+    if (kind == VolumeKind::MetaImage) requireMetaHeader(file);
     const itk::ImageIOBase::Pointer io = ioFor(kind);
     io->SetFileName(file.string());
     io->ReadImageInformation();
@@ -128,6 +130,9 @@ Volume readItk(const std::filesystem::path& file, VolumeKind kind, std::size_t l
     const Element element = elementOf(*io);
     const std::size_t bytes = requireMemory(shape, element, limit);
     requirePlausible(file, kind, bytes);
+    const std::size_t voxels = shape.x * shape.y * shape.z * shape.times;
+    if (kind == VolumeKind::MetaImage) requireMetaVoxels(file, voxels * shape.channels, bytesOf(element));
+    if (kind == VolumeKind::Nifti) requireNiftiVoxels(file, voxels, shape.channels);
     setPlace(volume, *io);
     if (shape.times > 1 && kind == VolumeKind::Nifti && std::isfinite(io->GetSpacing(3)))
         volume.timeStep = io->GetSpacing(3);

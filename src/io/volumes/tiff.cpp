@@ -2,6 +2,7 @@
 #include "io/volumes/elements.hpp"
 #include "io/volumes/tiff_pages.hpp"
 #include "io/volumes/volumes.hpp"
+#include "io/volumes/whole.hpp"
 
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
@@ -81,7 +82,9 @@ Pages pagesOf(const std::vector<fs::path>& files, Volume& volume) {
     std::size_t others = 0;
     for (std::size_t file = 0; file < files.size(); ++file) {
         const std::unique_ptr<ImageInput> input = openedPicture(files[file]);
-        for (int number = 0; number < kMostPages && input->seek_subimage(number, 0); ++number) {
+        const std::size_t promised = tiffPageCount(files[file]);
+        int number = 0;
+        for (; number < kMostPages && input->seek_subimage(number, 0); ++number) {
             const ImageSpec spec = input->spec_dimensions(number);
             if (result.pages.empty()) {
                 result.first = input->spec(number);
@@ -93,6 +96,9 @@ Pages pagesOf(const std::vector<fs::path>& files, Volume& volume) {
                 ++others;
             }
         }
+        // What follows a page that cannot be read is not lost without a word.
+        if (static_cast<std::size_t>(number) < promised)
+            throw Error(ErrorKind::Io, fmt::format("page {} is damaged", number + 1));
     }
     if (result.pages.empty()) throw Error(ErrorKind::Io, "has no pages");
     if (others > 0)
