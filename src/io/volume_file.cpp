@@ -63,7 +63,7 @@ Volume readRaw(const VolumeRequest& request) {
 
 /// How long reading may take [s]: no disk and no library is that slow.
 unsigned timeLimit(const VolumeRequest& request) {
-    constexpr double kLeast = 60;
+    constexpr double kLeast = 20;
     constexpr double kBytesPerSecond = 1e6;
     std::error_code error;
     double bytes = 0;

@@ -269,6 +269,15 @@ TEST_F(ItkFileTest, nifti_axes_are_turned_from_ras_to_lps) {
     EXPECT_PRED2(near, placeOf(mirrored, {0, 0, 1}), glm::dvec3(-10, -20, 26));
 }
 
+TEST_F(ItkFileTest, nifti_axes_that_cannot_be_are_refused) {
+    Nifti header;
+    header.dim = {4, 3, 2};
+    for (const float wrong : {1e30F, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+        header.sform = {1, 0, wrong, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+        EXPECT_THAT(problemOf("a.nii", niftiFile(header, std::string(kVoxels, 'x'))), HasSubstr("cannot be"));
+    }
+}
+
 TEST_F(ItkFileTest, nifti_has_points_of_time_with_their_step) {
     Nifti header;
     header.dim = {2, 2, 1, 3};

@@ -41,7 +41,7 @@ template <class From> void setWide(Volume& volume, const std::vector<std::byte>&
         low = std::min(low, value);
         high = std::max(high, value);
         const auto single = static_cast<double>(static_cast<float>(value));
-        exact = exact && (single == static_cast<double>(value) || value != value);
+        exact = exact && (single == static_cast<double>(value) || std::isnan(single));
     }
     if constexpr (std::is_integral_v<From>) {
         if (low >= From{0} && high <= From{65535}) {

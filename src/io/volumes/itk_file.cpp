@@ -122,6 +122,7 @@ std::vector<std::byte> readElements(itk::ImageIOBase& io, std::size_t bytes) {
 
 Volume readItk(const std::filesystem::path& file, VolumeKind kind, std::size_t limit) {
     if (kind == VolumeKind::MetaImage) requireMetaHeader(file);
+    if (kind == VolumeKind::Nifti) requireNiftiHeader(file);
     const itk::ImageIOBase::Pointer io = ioFor(kind);
     io->SetFileName(file.string());
     io->ReadImageInformation();

@@ -81,15 +81,19 @@ Volume readFile(const volume::VolumeRequest& request, std::size_t limit) {
     }
 }
 
-/// The first line that says something, of what libraries write over many.
-std::string lastLine(std::string text) {
+} // namespace
+
+std::string inOneLine(std::string text) {
     while (!text.empty() && (text.back() == '\n' || text.back() == ' '))
         text.pop_back();
-    const std::size_t newline = text.rfind('\n');
-    return newline == std::string::npos ? text : text.substr(newline + 1);
+    // Of what is written over many lines the last one says it.
+    text = text.substr(text.rfind('\n') + 1);
+    constexpr std::size_t kLongest = 200;
+    if (text.size() > kLongest) text = text.substr(0, kLongest) + " ...";
+    std::replace_if(
+        text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 0x7F; }, '?');
+    return text;
 }
-
-} // namespace
 
 Volume read(const volume::VolumeRequest& request, std::size_t limit) {
     try {
@@ -105,7 +109,7 @@ Volume read(const volume::VolumeRequest& request, std::size_t limit) {
     } catch (const std::length_error&) {
         throw Error(ErrorKind::Io, "asks for more memory than there is");
     } catch (const std::exception& error) {
-        throw Error(ErrorKind::Io, "is damaged: " + lastLine(error.what()));
+        throw Error(ErrorKind::Io, "is damaged: " + inOneLine(error.what()));
     } catch (...) {
         throw Error(ErrorKind::Io, "is damaged");
     }

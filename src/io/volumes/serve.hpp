@@ -19,7 +19,7 @@ enum class Ending {
 /// What a reader may take.
 struct Limits {
     std::size_t voxels = 0; ///< bytes of them
-    unsigned seconds = 60;  ///< of a processor; ten times as much by the clock
+    unsigned seconds = 20;  ///< of a processor; ten times as much by the clock
 };
 
 /// Reads what is requested and sends it (see io/volume_stream.hpp) to a file descriptor. Limits the memory and time of

@@ -28,7 +28,7 @@ std::unique_ptr<ImageInput> openedPicture(const fs::path& file) {
     wishes.attribute("oiio:UnassociatedAlpha", 1); // a channel is a channel
     if (input == nullptr || !input->open(file.string(), spec, wishes)) {
         const std::string why = input != nullptr ? input->geterror() : OIIO::geterror();
-        throw Error(ErrorKind::Io, "is a damaged TIFF file: " + why.substr(0, why.find('\n')));
+        throw Error(ErrorKind::Io, "is a damaged TIFF file: " + inOneLine(why.substr(0, why.find('\n'))));
     }
     return input;
 }
@@ -118,8 +118,8 @@ class PageReader {
         }
         if (!input_->read_image(page.number, 0, 0, spec_.nchannels, spec_.format, to)) {
             const std::string why = input_->geterror();
-            throw Error(ErrorKind::Io,
-                        fmt::format("page {} is damaged: {}", page.number + 1, why.substr(0, why.find('\n'))));
+            throw Error(ErrorKind::Io, fmt::format("page {} is damaged: {}", page.number + 1,
+                                                   inOneLine(why.substr(0, why.find('\n')))));
         }
     }
 

@@ -28,4 +28,7 @@ volume::Volume readTiff(const std::vector<std::filesystem::path>& files, std::si
 /// The named grid, or the first one. @param name may be empty
 volume::Volume readVdb(const std::filesystem::path& file, const std::string& name, std::size_t limit);
 
+/// What a library says of a file, for a message of one line.
+std::string inOneLine(std::string text);
+
 } // namespace apeiron::io::volumes

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -187,24 +188,58 @@ struct Close {
     void operator()(gzFile file) const { gzclose(file); }
 };
 
-/// A 16-bit number of a NIfTI header.
-int shortAt(const std::vector<char>& header, std::size_t place, bool turned) {
-    std::array<unsigned char, 2> bytes{};
-    std::memcpy(bytes.data(), header.data() + place, 2);
-    if (turned) std::swap(bytes[0], bytes[1]);
-    std::int16_t number = 0;
-    std::memcpy(&number, bytes.data(), 2);
-    return number;
+using GzipStream = std::unique_ptr<std::remove_pointer_t<gzFile>, Close>;
+
+/// A NIfTI file's header, of version 1 or 2, in either byte order.
+class NiftiHeader {
+  public:
+    explicit NiftiHeader(gzFile stream) {
+        const auto read = [&](std::size_t begin, std::size_t end) {
+            const auto size = static_cast<unsigned>(end - begin);
+            if (gzread(stream, bytes_.data() + begin, size) != static_cast<int>(size)) fail("its header is cut off");
+        };
+        read(0, kFirst);
+        std::int32_t size = 0;
+        std::memcpy(&size, bytes_.data(), sizeof size);
+        isSecond_ = size == kSecond || size == 0x1C020000;
+        isTurned_ = size != kSecond && size != kFirst;
+        if (isSecond_) read(kFirst, kSecond);
+    }
+
+    template <class T> T at(std::size_t place) const {
+        std::array<char, sizeof(T)> part{};
+        std::memcpy(part.data(), bytes_.data() + place, sizeof(T));
+        if (isTurned_) std::reverse(part.begin(), part.end());
+        T number{};
+        std::memcpy(&number, part.data(), sizeof(T));
+        return number;
+    }
+    /// The n-th real number from a place on, which depends on the version.
+    double real(std::size_t first, std::size_t second, std::size_t n) const {
+        return isSecond_ ? at<double>(second + 8 * n) : static_cast<double>(at<float>(first + 4 * n));
+    }
+    bool isSecond() const { return isSecond_; }
+    std::size_t size() const { return isSecond_ ? kSecond : kFirst; }
+
+  private:
+    static constexpr int kFirst = 348;
+    static constexpr int kSecond = 540;
+    std::array<char, kSecond> bytes_{};
+    bool isSecond_ = false;
+    bool isTurned_ = false;
+};
+
+GzipStream opened(const fs::path& file) {
+    // Reads plain files as they are, too.
+    GzipStream stream(gzopen(file.c_str(), "rb"));
+    if (!stream) fail("cannot be read");
+    return stream;
 }
 
 /// Bits of a voxel's component in the file: scaled numbers come out of ITK in another type than they are stored in.
-std::uintmax_t niftiBits(const std::vector<char>& header, std::size_t components) {
-    std::int32_t size = 0;
-    std::memcpy(&size, header.data(), sizeof size);
-    const bool second = size == 540 || size == 0x1C020000; // NIfTI-2
-    const bool turned = size != 540 && size != 348;
-    const int type = shortAt(header, second ? 12 : 70, turned);
-    const int bits = shortAt(header, second ? 14 : 72, turned);
+std::uintmax_t niftiBits(const NiftiHeader& header, std::size_t components) {
+    const int type = header.at<std::int16_t>(header.isSecond() ? 12 : 70);
+    const int bits = header.at<std::int16_t>(header.isSecond() ? 14 : 72);
     if (bits < 8 || bits > 256) fail("its voxels are of a type that is not understood");
     // RGB, RGBA and complex numbers are counted as one.
     constexpr std::array kWhole{128, 2304, 32, 1792, 2048};
@@ -260,16 +295,30 @@ void requireMetaVoxels(const fs::path& file, std::size_t elements, std::size_t w
     tooShort(bytes, there);
 }
 
+void requireNiftiHeader(const fs::path& file) {
+    const GzipStream stream = opened(file);
+    const NiftiHeader header(stream.get());
+    const auto require = [&](std::size_t first, std::size_t second, std::size_t count) {
+        constexpr double kFar = 1e9; // [mm]
+        for (std::size_t i = 0; i < count; ++i)
+            if (!(std::abs(header.real(first, second, i)) <= kFar))
+                fail("its spacing or orientation cannot be: it is damaged");
+    };
+    require(80, 112, 3);
+    const auto code = [&](std::size_t first, std::size_t second) {
+        return header.isSecond() ? header.at<std::int32_t>(second) : header.at<std::int16_t>(first);
+    };
+    if (code(252, 344) != 0) require(256, 352, 6);
+    if (code(254, 348) != 0) require(280, 400, 12);
+}
+
 void requireNiftiVoxels(const fs::path& file, std::size_t voxels, std::size_t components) {
     const std::string name = file.filename().string();
     if (!name.ends_with(".nii") && !name.ends_with(".nii.gz")) return;
-    // Reads plain files as they are, too.
-    const std::unique_ptr<std::remove_pointer_t<gzFile>, Close> stream(gzopen(file.c_str(), "rb"));
-    if (!stream) fail("cannot be read");
-    constexpr std::size_t kHeader = 348;
+    const GzipStream stream = opened(file);
+    const NiftiHeader header(stream.get());
+    const std::uintmax_t bytes = (niftiBits(header, components) * voxels + 7) / 8;
     std::vector<char> buffer(std::size_t{1} << 18);
-    if (gzread(stream.get(), buffer.data(), kHeader) != kHeader) fail("its header is cut off");
-    const std::uintmax_t bytes = (niftiBits(buffer, components) * voxels + 7) / 8;
     std::uintmax_t there = 0;
     while (there < bytes) {
         const int got = gzread(stream.get(), buffer.data(), static_cast<unsigned>(buffer.size()));

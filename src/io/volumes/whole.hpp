@@ -15,6 +15,10 @@ void requireMetaHeader(const std::filesystem::path& file);
 /// @throws Error (Io) when a MetaImage's voxels are not all there. @pre requireMetaHeader() was content
 void requireMetaVoxels(const std::filesystem::path& file, std::size_t elements, std::size_t width);
 
+/// Looks through a NIfTI header: ITK never comes back from axes that are not finite.
+/// @throws Error (Io) for what makes no sense.
+void requireNiftiHeader(const std::filesystem::path& file);
+
 /// @param voxels of all points of time @param components of each
 /// @throws Error (Io) when a NIfTI file in one piece (.nii, .nii.gz) ends too early.
 void requireNiftiVoxels(const std::filesystem::path& file, std::size_t voxels, std::size_t components);
