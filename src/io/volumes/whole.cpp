@@ -229,7 +229,7 @@ class NiftiHeader {
     bool isTurned_ = false;
 };
 
-GzipStream opened(const fs::path& file) {
+GzipStream openedGzip(const fs::path& file) {
     // Reads plain files as they are, too.
     GzipStream stream(gzopen(file.c_str(), "rb"));
     if (!stream) fail("cannot be read");
@@ -296,7 +296,7 @@ void requireMetaVoxels(const fs::path& file, std::size_t elements, std::size_t w
 }
 
 void requireNiftiHeader(const fs::path& file) {
-    const GzipStream stream = opened(file);
+    const GzipStream stream = openedGzip(file);
     const NiftiHeader header(stream.get());
     const auto require = [&](std::size_t first, std::size_t second, std::size_t count) {
         constexpr double kFar = 1e9; // [mm]
@@ -315,7 +315,7 @@ void requireNiftiHeader(const fs::path& file) {
 void requireNiftiVoxels(const fs::path& file, std::size_t voxels, std::size_t components) {
     const std::string name = file.filename().string();
     if (!name.ends_with(".nii") && !name.ends_with(".nii.gz")) return;
-    const GzipStream stream = opened(file);
+    const GzipStream stream = openedGzip(file);
     const NiftiHeader header(stream.get());
     const std::uintmax_t bytes = (niftiBits(header, components) * voxels + 7) / 8;
     std::vector<char> buffer(std::size_t{1} << 18);
