@@ -53,7 +53,8 @@ TEST_F(DenoiseTest, few_samples_come_nearer_to_the_converged_picture) {
 TEST_F(DenoiseTest, many_samples_are_left_as_they_are) {
     const double before = meanSquare(render(128, false), reference());
     const double after = meanSquare(render(128, true), reference());
-    EXPECT_LT(after, 1.2 * before) << "it does no harm where there is little left to do";
+    // What it takes away from what little noise is left is less than a step of 8 bits: (1/255)^2 = 1.5e-5.
+    EXPECT_LT(after, before + 1e-5) << "it does no harm where there is little left to do";
 }
 
 TEST_F(DenoiseTest, both_stages_make_the_same_picture) {

@@ -81,9 +81,14 @@ bool surface_trace(Ray ray, out Hit hit) {
     hit.effort = float(i) / float(max_steps);
     // A ray that ran out of steps just above the surface has found it; one in the open has not.
     if (t > ray.t_max || d > 20.0 * threshold) return false;
+    // A last step ends anywhere below the threshold, even inside. By false position back to where it was crossed: what is found must not
+    // depend on where the march began.
+    // The last step ends anywhere below the threshold, even inside. Back to where the estimate fell below it, taken as linear along the
+    // step: what is found must not depend on where the march began, and costs nothing more.
+    if (stride > 0.0) t -= stride * clamp((threshold - d) / (reach / step_scale - d), 0.0, 0.9);
     hit.t = t;
     hit.position = ray.origin + t * ray.direction;
-    hit.footprint = max(threshold, 2e-7 * length(hit.position - distance_bound().xyz));
+    hit.footprint = max(detail * (ray.width + ray.spread * t), 2e-7 * length(hit.position - distance_bound().xyz));
     return true;
 }
 
