@@ -135,7 +135,7 @@ float surface_visibility(Hit hit, vec3 normal, vec3 direction, float t_max, floa
 
 March surface_march(Hit hit, vec3 normal) {
     float spacing = terrain_clip_spacing(terrain_clip_level(hit.position.xy, hit.footprint));
-    return March(surface_leave(hit, normal), vec3(0.0, 0.0, 1.0), 0.0, 1e30, spacing, 0.0, terrain_growth(spacing), 0);
+    return March(surface_leave(hit, normal), vec3(0.0, 0.0, 1.0), 0.0, 1e30, spacing, 0.0, 0.0, terrain_growth(spacing), 0);
 }
 
 void surface_march_to(inout March march, vec3 direction, float t_max) {

@@ -197,16 +197,23 @@ float surface_visibility(Hit hit, vec3 normal, vec3 direction, float t_max, floa
 }
 
 March surface_march(Hit hit, vec3 normal) {
-    return March(surface_leave(hit, normal), vec3(0.0), 0.0, 0.0, hit.footprint, 0.0, 0.0, 0);
+    vec3 origin = surface_leave(hit, normal);
+    float start = max(distance_estimate(origin) * step_scale, hit.footprint);
+    return March(origin, vec3(0.0), 0.0, 0.0, hit.footprint, start, 0.0, 0.0, 0);
 }
 
 void surface_march_to(inout March march, vec3 direction, float t_max) {
-    Ray ray = Ray(march.origin, direction, 0.0, t_max, 0.0, 0.0);
-    march.steps = distance_clip(ray) ? shadow_steps : 0;
+    // From inside the bounding sphere: its far side, or at most a radius beyond, without a root for every ray.
+    vec4 bound = distance_bound();
+    float end = bounding ? dot(bound.xyz - march.origin, direction) + bound.w
+                         : distance_end(Ray(march.origin, direction, 0.0, t_max, 0.0, 0.0));
+    march.steps = shadow_steps;
     march.direction = direction;
-    march.t = ray.t_min + march.threshold;
-    march.t_max = ray.t_max;
-    march.stride = 0.0;
+    march.t_max = min(t_max, end);
+    // The first step is the same in all directions.
+    march.reach = march.start;
+    march.stride = (2.0 * relaxation - 1.0) * march.start;
+    march.t = march.stride;
 }
 
 // Over-relaxed as surface_trace() is, and more: what is asked for is not where the surface is but whether there is any, so that

@@ -47,6 +47,7 @@ struct March {
     float t;
     float t_max;
     float threshold; // as near is a hit
+    float start;     // how far around the origin there is nothing
     float reach;     // how far around the point before there is nothing
     float stride;    // from there to here
     int steps;       // that are left

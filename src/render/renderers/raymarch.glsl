@@ -47,18 +47,17 @@ vec3 lit(ivec2 pixel, Hit hit, Material m, vec3 n, vec3 v) {
         vec2 u = random_pair(pixel, 1u);
         vec2 turn = vec2(cos(6.283185307 * u.y), sin(6.283185307 * u.y));
         vec3 sky = vec3(0.0);
-        int open_rays = 0;
+        float open_rays = 0.0;
         // All rays in one loop: a pixel goes on to its next ray while its neighbours are still busy with theirs.
         March march = surface_march(hit, n);
         int state = march_on;
         int begun = 0;
         for (bool more = true; more;) {
-            // A loop of at most one turn: rasterisers on the CPU skip an empty loop, but not an `if`.
-            for (int next = begun == 0 || state != march_on ? 1 : 0; next > 0; --next) {
-                if (state == march_free) {
-                    sky += environment_at(march.direction);
-                    ++open_rays;
-                }
+            // (Nearly always one of eight neighbours has a new ray to begin: nothing is gained by skipping this.)
+            if (begun == 0 || state != march_on) {
+                float open = state == march_free ? 1.0 : 0.0;
+                sky += open * environment_at(march.direction);
+                open_rays += open;
                 more = begun < occlusion_rays;
                 float z = 2.0 * fract(u.x + float(begun) / float(occlusion_rays)) - 1.0;
                 vec3 l = n * 1.0001 + vec3(sqrt(max(1.0 - z * z, 0.0)) * turn, z);
@@ -69,7 +68,7 @@ vec3 lit(ivec2 pixel, Hit hit, Material m, vec3 n, vec3 v) {
             state = surface_march_on(march);
         }
         float rays = float(occlusion_rays);
-        return sum + sky_light * (diffuse * sky / rays + gloss * environment_at(towards) * (float(open_rays) / rays));
+        return sum + sky_light * (diffuse * sky / rays + gloss * environment_at(towards) * (open_rays / rays));
     }
     float open = 1.0;
     if (ambient_occlusion == 1) open = surface_openness(hit, n);
