@@ -99,6 +99,7 @@ float surface_clear(Ray cone) {
     vec4 bound = distance_bound();
     float widening = 1.0 / (1.0 + 0.5 * cone.spread);
     float t = cone.t_min;
+    float stride = 0.0;
     for (int i = 0; i < 80; ++i) {
         vec3 p = cone.origin + t * cone.direction;
         float radius = 0.5 * (cone.width + cone.spread * t);
@@ -107,7 +108,12 @@ float surface_clear(Ray cone) {
         // Beside the sphere and leaving it faster than the cone widens: it never meets it again.
         if (outside > radius && dot(from, cone.direction) > 0.5 * cone.spread * length(from)) return 1e30;
         float d = outside > 2.0 * radius ? outside : distance_estimate(p) * step_scale;
-        float stride = (d - radius) * widening;
+        // The ball before reached as far as this cone is wide, unless its estimate overshot: then its step is taken back.
+        if (d < 0.99 * radius) {
+            t -= stride;
+            break;
+        }
+        stride = (d - radius) * widening;
         if (stride < 0.15 * radius) break;
         t += stride;
     }
