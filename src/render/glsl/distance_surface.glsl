@@ -82,9 +82,7 @@ bool surface_trace(Ray ray, out Hit hit) {
     // A ray that ran out of steps just above the surface has found it; one in the open has not.
     if (t > ray.t_max || d > 20.0 * threshold) return false;
     // A last step ends anywhere below the threshold, even inside. By false position back to where it was crossed: what is found must not
-    // depend on where the march began.
-    // The last step ends anywhere below the threshold, even inside. Back to where the estimate fell below it, taken as linear along the
-    // step: what is found must not depend on where the march began, and costs nothing more.
+    // depend on where the march began. The estimate is taken as linear along the step, which costs nothing more.
     if (stride > 0.0) t -= stride * clamp((threshold - d) / (reach / step_scale - d), 0.0, 0.9);
     hit.t = t;
     hit.position = ray.origin + t * ray.direction;
