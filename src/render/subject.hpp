@@ -32,6 +32,18 @@ struct Surroundings {
     double freePart = 1.0;                                     ///< of the way, before the surface comes near, 0..1
 };
 
+/// Where a camera goes that flies by itself.
+enum class Autopilot {
+    Dive, ///< nearer to the surface, for ever: over ground that is worth seeing
+    Rise, ///< backwards and up
+};
+
+/// What a flight did to the camera.
+struct Flown {
+    double scale = 1.0;             ///< new world units per old one
+    std::optional<glm::dvec3> back; ///< from the new place to the old one [new units]; none: far away
+};
+
 /// What a scene shows: it gives GLSL for one or more interfaces (`surface`, `medium`, `field`, `raster`) and the
 /// data behind it. Needs its context to be current.
 class Subject {
@@ -68,6 +80,14 @@ class Subject {
     /// limit in depth. The picture stays the same. @returns new units per old one, where it changed them
     virtual std::optional<double> rebase(scene::Scene& /*scene*/) const { return std::nullopt; }
 
+    /// Moves the scene's camera, and changes its units like rebase(), by itself: never through a surface.
+    /// @param speed [distances to the surface per second] @param seconds [s]; long times are flown in many small steps
+    /// @returns what it did; nothing in subjects without an autopilot. @throws Error (BadInput) as prepare()
+    virtual std::optional<Flown> autopilot(scene::Scene& /*scene*/, Autopilot /*way*/, double /*speed*/,
+                                           double /*seconds*/) const {
+        return std::nullopt;
+    }
+
     /// What it counts, for statistics: names and values of now.
     virtual std::vector<std::pair<std::string, double>> counters() const { return {}; }
 
@@ -81,6 +101,8 @@ class Subject {
 
     /// Background work (streaming, rebuilding), at most `budget` seconds. True when the picture is stale because of it.
     virtual bool update(const scene::Scene& /*scene*/, double /*budget*/) { return false; }
+    /// Whether update() has more to do before the picture is what the scene says.
+    virtual bool busy() const { return false; }
 };
 
 /// A kind of subject: what the catalogue learns of it, and how to make one.

@@ -373,8 +373,9 @@ StepResult Session::step(double budget) {
     bool mustWork = true;
     budget *= kPlanned;
     if (subject_->update(scene_, 0.25 * budget)) {
+        if (options_.reproject) keepPicture();
         renderer_->setScene(scene_, render::View(scene_, size()), *subject_);
-        reset();
+        restart(options_.reproject);
     }
     result.changed = moved_;
     moved_ = false;
@@ -389,7 +390,7 @@ StepResult Session::step(double budget) {
     }
     seconds_ += watch.seconds();
     result.samples = samples_;
-    result.finished = limitReached(0.0);
+    result.finished = limitReached(0.0) && !subject_->busy();
     return result;
 }
 
@@ -490,20 +491,38 @@ void Session::rebase() {
     scene::Scene edited = scene_;
     const std::optional<double> scale = subject_->rebase(edited);
     if (!scale) return;
-    if (cameraBefore_) {
-        // The same place as before, in the new units from the camera.
-        const glm::dvec3 away = render::difference(cameraBefore_->position(), camera().position());
-        parameter::Decimal3 place = edited.camera.get<parameter::Decimal3>("position");
-        for (std::size_t i = 0; i < 3; ++i)
-            place[i] = place[i] + Decimal(*scale * away[static_cast<int>(i)]);
-        parameter::Node node = cameraBefore_->node();
-        node.set("position", place);
-        cameraBefore_.emplace(std::move(node));
-        scaleBefore_ *= *scale;
-    }
+    carryHistory(*scale, edited.camera.get<parameter::Decimal3>("position"), glm::dvec3(0.0));
     scene_ = std::move(edited);
     renderer_->setScene(scene_, render::View(scene_, size()), *subject_);
     stale_ = true;
+}
+
+void Session::carryHistory(double scale, const parameter::Decimal3& position, const glm::dvec3& back) {
+    if (!cameraBefore_) return;
+    const glm::dvec3 away = scale * render::difference(cameraBefore_->position(), camera().position()) + back;
+    parameter::Decimal3 place = position;
+    for (std::size_t i = 0; i < 3; ++i)
+        place[i] = place[i] + Decimal(away[static_cast<int>(i)]);
+    parameter::Node node = cameraBefore_->node();
+    node.set("position", place);
+    cameraBefore_.emplace(std::move(node));
+    scaleBefore_ *= scale;
+}
+
+bool Session::autopilot(render::Autopilot way, double speed, double seconds) {
+    if (!(speed > 0.0) || !(seconds > 0.0)) return false;
+    scene::Scene edited = scene_;
+    const std::optional<render::Flown> flown = subject_->autopilot(edited, way, speed, seconds);
+    if (!flown) return false;
+    const bool keep = options_.reproject && flown->back;
+    if (keep) {
+        keepPicture();
+        carryHistory(flown->scale, edited.camera.get<parameter::Decimal3>("position"), *flown->back);
+    }
+    scene_ = std::move(edited);
+    renderer_->setScene(scene_, render::View(scene_, size()), *subject_);
+    restart(keep);
+    return true;
 }
 
 bool Session::moveCamera(const scene::Camera& wanted) {

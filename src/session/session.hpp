@@ -85,6 +85,10 @@ class Session {
     /// never touched. @param direction in camera space (x right, y up, z backwards); its length does not matter
     /// @param speed [distances to the surface per second] @param seconds since the last call [s]
     void fly(const glm::dvec3& direction, double speed, double seconds);
+    /// Lets the camera fly by itself, where the subject knows how (see render::Subject::autopilot()); speed as of
+    /// fly().
+    /// @returns false, and nothing changes, where it does not
+    bool autopilot(render::Autopilot way, double speed, double seconds);
     scene::Camera camera() const { return scene::Camera(scene_.camera); }
 
     /// Forgets all samples.
@@ -146,6 +150,9 @@ class Session {
     parameter::Invalidates replace(scene::Scene scene, parameter::Invalidates what);
     /// After a move: world units that fit the place (see render::Subject::rebase()). The picture stays.
     void rebase();
+    /// The picture of before the move is now seen from elsewhere, in other units. @param scale new units per old one
+    /// @param position of the camera, in new units @param back from it to where it was, in new units
+    void carryHistory(double scale, const parameter::Decimal3& position, const glm::dvec3& back);
     void apply(parameter::Invalidates what, bool sizeChanged);
     /// Puts a camera that the scene says nothing of where it sees all of the subject, where that has bounds.
     void frame(const render::Subject& subject, glm::ivec2 size);

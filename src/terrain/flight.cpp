@@ -12,6 +12,7 @@ constexpr double kMostClearance = 4.0;  ///< [cells]; well over twice the least,
 constexpr int kOctaves = 14;
 
 constexpr double kGlide = -0.45;        ///< slope at which a dive approaches its target
+constexpr double kGaze = -0.25;         ///< slope at which it looks ahead meanwhile
 constexpr std::int64_t kAhead = 2;      ///< levels below the place's that the target of a dive is at
 constexpr double kFarthestTarget = 8.0; ///< [cells]; a wall is in between: another one is looked for
 
@@ -27,8 +28,9 @@ double scalePower(std::int64_t level) {
 
 Flight::Flight(Place place, const glm::dquat& orientation, double relief)
     : place_(std::move(place)), orientation_(glm::normalize(orientation)), ownRelief_(relief),
-      zoom_(static_cast<double>(place_.level())) {
-    measure();
+      zoom_(static_cast<double>(place_.level())), clearance_(selection_.clearance(place_, relief, kOctaves)) {
+    if (clearance_ > 0.0) zoom_ -= std::log2(clearance_);
+    ownRelief_ = relief / verticalScale(place_.shape(), place_.level(), zoom_);
 }
 
 double Flight::relief() const {
@@ -125,7 +127,7 @@ void Flight::dive(double speed, double seconds) {
     const double part = partOf(speed, seconds);
     // Looks ahead over the ground rather than down on it.
     const double flat = std::hypot(way.x, way.y);
-    if (flat > 0.2 * distance) face({way.x / flat, way.y / flat, kGlide}, 0.1 * part);
+    if (flat > 0.2 * distance) face({way.x / flat, way.y / flat, kGaze}, 0.1 * part);
     step(way / distance, part * clearance_);
 }
 

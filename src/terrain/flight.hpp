@@ -16,13 +16,13 @@ double scalePower(std::int64_t level);
 /// around one to four cells.
 class Flight {
   public:
-    /// @param relief vertical scale of the terrain, > 0; self-affine terrain is shown at verticalScale() times that
+    /// @param relief vertical scale of the terrain at first, > 0; that of self-affine terrain follows the depth
     explicit Flight(Place place, const glm::dquat& orientation = glm::dquat(1, 0, 0, 0), double relief = 1.0);
 
     const Place& place() const { return place_; }
     /// From camera space (x right, y up, z backward) to the world.
     const glm::dquat& orientation() const { return orientation_; }
-    /// The vertical scale of now: the one that was given times verticalScale().
+    /// The vertical scale of now: self-affine terrain looks alike at any depth (see verticalScale()).
     double relief() const;
     /// Lower bound of the distance to the ground [cells of the place's level]; 0 under ground.
     double clearance() const { return clearance_; }
@@ -51,10 +51,10 @@ class Flight {
 
     Place place_;
     glm::dquat orientation_;
-    double ownRelief_;
-    double zoom_; ///< the depth that the vertical scale is for [levels]
-    double clearance_ = 0.0;
+    double ownRelief_;    ///< relief() without verticalScale()
+    double zoom_;         ///< the depth that the vertical scale is for [levels]
     Selection selection_; ///< for clearances: its cells are remembered
+    double clearance_ = 0.0;
     std::optional<Cell> target_;
 };
 

@@ -9,14 +9,50 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 namespace apeiron::terrain {
 namespace {
 
 using parameter::Decimal3;
 
+/// What subject.relief takes.
+constexpr double kLeastRelief = 0.05;
+constexpr double kMostRelief = 4.0;
+
+/// The depth of a place between levels: where the ground is half as far, it is one more.
+double zoomOf(const Place& place, double clearance) {
+    return static_cast<double>(place.level()) - std::log2(std::max(clearance, 1e-6));
+}
+
+/// Choices of subject.debug.
+constexpr int kBorders = 2;
+constexpr int kWireframe = 3;
+constexpr int kBoxes = 4;
+constexpr int kCorners = 5;
+
 /// Tiles reach this much beyond the picture, for the filter's reach.
 constexpr double kWider = 1.02;
+
+/// Most tiles that are made for one picture when there is an older one to go on from: some milliseconds.
+constexpr std::int64_t kMostMade = 24;
+
+/// How far ahead tiles are made before they are needed: where the ground is half as far, an octave deeper.
+constexpr double kAhead = 0.5;
+
+/// Of the autopilot: flown in one go, of the distance to the ground.
+constexpr double kMostFlown = 0.35;
+
+/// From one place to another of the same terrain [cells of the latter's level]; nothing where they are far apart.
+std::optional<glm::dvec3> offsetTo(Place from, const Place& to) {
+    constexpr std::int64_t kMostLevels = 8;
+    if (from.shape() != to.shape() || std::abs(from.level() - to.level()) > kMostLevels) return std::nullopt;
+    while (from.level() < to.level())
+        from.descend();
+    while (from.level() > to.level())
+        from.ascend();
+    return from.to(to);
+}
 
 /// A camera stops where the ground is so much nearer than at the way's beginning.
 constexpr double kNearest = 0.05;
@@ -65,7 +101,29 @@ Place Scenery::placeOf(const scene::Scene& scene) {
         throw Error(ErrorKind::BadInput, "the camera is outside the terrain's root cell or very far from its address",
                     "camera.position", "positions are in cells of the address; choose a longer subject.address");
     }
+    // Under the ground there is nothing to see: straight up until it is left.
+    lifted_ = false;
+    double step = 0.02;
+    while (step < kFar && selection_.clearance(place, site_->relief, view_.octaves) <= 0.0) {
+        lifted_ = true;
+        place.move({0.0, 0.0, step / site_->relief});
+        step *= 1.5;
+    }
     return place;
+}
+
+void Scenery::put(scene::Scene& scene, const Place& place, double relief, double scale) {
+    const scene::Camera camera(scene.camera);
+    const glm::dvec3 ahead = scale * render::difference(camera.target(), camera.position());
+    const glm::dvec3 position = place.position() * glm::dvec3(1.0, 1.0, relief);
+    const auto decimals = [](const glm::dvec3& v) { return Decimal3{Decimal(v.x), Decimal(v.y), Decimal(v.z)}; };
+    scene.camera.set("position", decimals(position));
+    scene.camera.set("target", decimals(position + ahead));
+    const double focus = scene.camera.number("focus") * scale;
+    if (focus > 0.0) scene.camera.set("focus", std::min(focus, 1e6));
+    scene.subject.set("address", place.address().toString());
+    scene.subject.set("depth", std::int64_t{0});
+    scene.subject.set("relief", std::clamp(relief, kLeastRelief, kMostRelief));
 }
 
 void Scenery::makeMesh(int cells) {
@@ -97,6 +155,68 @@ void Scenery::makeMesh(int cells) {
     meshCells_ = cells;
 }
 
+void Scenery::makeRasters() {
+    if (!raster_) {
+        gpu::ShaderSource vertex;
+        vertex.addFile("terrain/glsl/tile_vertex.glsl");
+        gpu::ShaderSource fragment;
+        fragment.addFile("terrain/glsl/tile_fragment.glsl");
+        raster_.emplace(context_, "terrain tiles", vertex, fragment,
+                        std::vector<gpu::Raster::Attribute>{
+                            {"grid", 2, true, false, 0},
+                            {"tile_place", 4, true, true, offsetof(Instance, place)},
+                            {"tile_height", 4, true, true, offsetof(Instance, height)},
+                            {"tile_scale", 4, false, true, offsetof(Instance, scale)},
+                        });
+    }
+    if (debug_ < kBoxes || lines_) return;
+    gpu::ShaderSource vertex;
+    vertex.addFile("terrain/glsl/box_vertex.glsl");
+    gpu::ShaderSource fragment;
+    fragment.addFile("terrain/glsl/box_fragment.glsl");
+    lines_.emplace(context_, "terrain boxes", vertex, fragment,
+                   std::vector<gpu::Raster::Attribute>{
+                       {"corner", 3, true, false, 0},
+                       {"box_least", 4, false, true, offsetof(Mark, least)},
+                       {"box_most", 4, false, true, offsetof(Mark, most)},
+                   });
+    std::vector<glm::ivec3> corners;
+    std::vector<std::uint16_t> edges;
+    for (int i = 0; i < 8; ++i) {
+        corners.emplace_back(i & 1, (i >> 1) & 1, i >> 2);
+        for (const int axis : {1, 2, 4}) {
+            if ((i & axis) == 0)
+                edges.insert(edges.end(), {static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(i | axis)});
+        }
+    }
+    boxVertices_ = gpu::Buffer(context_, gpu::Buffer::Kind::Vertices, bytesOf(corners), "box corners");
+    boxIndices_ = gpu::Buffer(context_, gpu::Buffer::Kind::Indices, bytesOf(edges), "box edges");
+}
+
+void Scenery::mark(const Tile& tile) {
+    const glm::vec3 eye(selection_.camera());
+    const auto level = static_cast<float>(tile.level);
+    const double edge = tile.spacing * (1 << cache_->tileLevels());
+    if (debug_ == kBoxes) {
+        const glm::vec3 least(glm::vec2(glm::dvec2(tile.offset) * tile.spacing) - glm::vec2(eye), tile.least);
+        const glm::vec3 most(least.x + edge, least.y + edge, tile.most);
+        marks_.push_back({glm::vec4(least, level), glm::vec4(most, 2.0F)});
+    }
+    if (debug_ == kCorners) {
+        const int side = (1 << cache_->tileLevels()) + 1;
+        std::vector<VertexHeights> heights(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
+        tileHeights(site_->shape, tile.cell, cache_->tileLevels(), 0, heights);
+        for (const glm::ivec2 vertex : {glm::ivec2(0, 0), {side - 1, 0}, {0, side - 1}, {side - 1, side - 1}}) {
+            const auto at = static_cast<std::size_t>(vertex.y) * static_cast<std::size_t>(side) +
+                            static_cast<std::size_t>(vertex.x);
+            const auto clearance = static_cast<float>(selection_.lastClearance());
+            const glm::vec3 p = morphed(tile, vertex, heights[at], eye, clearance) - eye;
+            const auto half = static_cast<float>(0.025 * edge);
+            marks_.push_back({glm::vec4(p - half, level), glm::vec4(p + half, 3.0F)});
+        }
+    }
+}
+
 void Scenery::prepare(gpu::KernelCache& kernels, gpu::Stage stage, const scene::Scene& scene, glm::ivec2 size) {
     const parameter::Node& subject = scene.subject;
     const Place place = placeOf(scene);
@@ -118,19 +238,7 @@ void Scenery::prepare(gpu::KernelCache& kernels, gpu::Stage stage, const scene::
     stride_ = 1 << subject.choice("mesh");
     debug_ = subject.choice("debug");
     makeMesh((1 << tileLevels) / stride_);
-    if (!raster_) {
-        gpu::ShaderSource vertex;
-        vertex.addFile("terrain/glsl/tile_vertex.glsl");
-        gpu::ShaderSource fragment;
-        fragment.addFile("terrain/glsl/tile_fragment.glsl");
-        raster_.emplace(context_, "terrain tiles", vertex, fragment,
-                        std::vector<gpu::Raster::Attribute>{
-                            {"grid", 2, true, false, 0},
-                            {"tile_place", 4, true, true, offsetof(Instance, place)},
-                            {"tile_height", 4, true, true, offsetof(Instance, height)},
-                            {"tile_scale", 4, false, true, offsetof(Instance, scale)},
-                        });
-    }
+    makeRasters();
     reversed_ = subject.text("depth_test") == "reversed" ||
                 (subject.text("depth_test") == "automatic" && gpu::canReverseDepth(context_));
 
@@ -150,20 +258,45 @@ void Scenery::prepare(gpu::KernelCache& kernels, gpu::Stage stage, const scene::
     // Rays from the rim of a lens see a little farther.
     view_.cullHorizon = lens_ == 0.0F;
     const double pixels = subject.number("detail");
-    const TileCache::Maker maker = subject.text("heights") == "gpu" ||
-                                           (subject.text("heights") == "automatic" && !context_.capabilities().software)
-                                       ? TileCache::Maker::Gpu
-                                       : TileCache::Maker::Cpu;
-    cache_->begin(site.shape);
+    maker_ = subject.text("heights") == "gpu" ||
+                     (subject.text("heights") == "automatic" && !context_.capabilities().software)
+                 ? TileCache::Maker::Gpu
+                 : TileCache::Maker::Cpu;
     Stopwatch watch;
-    for (coarser_ = 1.0;; coarser_ *= 1.2) {
-        view_.ratio = splitRatio(size.y, tangent, pixels * coarser_, tileLevels);
-        selection_.select(place, view_);
-        if (static_cast<int>(selection_.tiles().size()) <= cache_->capacity() || view_.ratio <= kLeastRatio) break;
+    const bool frozen = subject.flag("frozen") && chosen_ && chosen_->shape() == site.shape &&
+                        chosen_->level() == place.level() && !records_.empty() && cache_->cached() > 0;
+    const std::optional<glm::dvec3> moved = frozen ? offsetTo(*chosen_, place) : std::nullopt;
+    moved_ = glm::vec3(0.0F);
+    if (moved) {
+        moved_ = glm::vec3(*moved * glm::dvec3(1.0, 1.0, site.relief));
+    } else {
+        choose(place, size, pixels, kernels, stage);
     }
+
+    watch = Stopwatch();
+    // A ray's ground need not be finer than what is seen from the camera's height.
+    const double pixel = 2.0 * tangent / size.y;
+    const double height = std::max(selection_.lastClearance(), 1e-5);
+    clipmap_.update(place, std::max(2.5 * pixel, 1.0 / 220.0) * height, site.relief);
+    clipSeconds_ = watch.seconds();
+    relief_ = site.relief;
+    zoom_ = zoomOf(place, selection_.lastClearance());
+    // Layers are counted from the terrain's own zero, whatever the address: in parts of the ring of heights.
+    for (std::size_t i = 0; i < layers_.size(); ++i) {
+        const auto bits = static_cast<unsigned>(32 + kFractionBits - 10) + static_cast<unsigned>(i);
+        const std::uint64_t within = place.height() & ((std::uint64_t{1} << bits) - 1U);
+        layers_[i] = static_cast<float>(std::ldexp(static_cast<double>(within), -static_cast<int>(bits)));
+    }
+}
+
+void Scenery::choose(const Place& place, glm::ivec2 size, double pixels, gpu::KernelCache& kernels, gpu::Stage stage) {
+    cache_->begin(place.shape());
+    Stopwatch watch;
+    select(place, size, pixels);
     selectSeconds_ = watch.seconds();
 
     watch = Stopwatch();
+    const std::int64_t generated = cache_->generated();
     // By levels, from coarse to fine or the other way around; near ones first within a level.
     std::vector<const Tile*> order;
     for (const Tile& tile : selection_.tiles())
@@ -173,13 +306,14 @@ void Scenery::prepare(gpu::KernelCache& kernels, gpu::Stage stage, const scene::
     });
     records_.clear();
     groups_.clear();
+    marks_.clear();
     const auto count = static_cast<int>(order.size());
     for (int i = 0; i < count; ++i) {
         const Tile& tile = *order[static_cast<std::size_t>(i)];
-        const glm::ivec2 at = cache_->place(tile, maker, kernels, stage);
+        const glm::ivec2 at = cache_->place(tile, maker_, kernels, stage);
         if (at.x < 0) break; // more than there is room for: only with the least ratio
         const glm::vec3 eye(selection_.camera());
-        const double edge = tile.spacing * (1 << tileLevels);
+        const double edge = tile.spacing * (1 << view_.tileLevels);
         const glm::dvec2 least = glm::dvec2(tile.offset) * tile.spacing - glm::dvec2(eye);
         const glm::dvec2 most = least + edge;
         const glm::dvec3 reach(std::max(std::abs(least.x), std::abs(most.x)),
@@ -198,27 +332,88 @@ void Scenery::prepare(gpu::KernelCache& kernels, gpu::Stage stage, const scene::
                             {tile.originHeight, static_cast<int>(tile.level - place.level()), 0, 0},
                             {static_cast<float>(tile.spacing), static_cast<float>(tile.heightUnit), tile.morphScale,
                              tile.morphOffset}});
+        mark(tile);
     }
     if (!instances_)
         instances_ = gpu::Buffer(context_, gpu::Buffer::Kind::Vertices, bytesOf(records_), "tiles");
     else
         instances_.upload(bytesOf(records_));
+    if (!marks_.empty()) boxInstances_ = gpu::Buffer(context_, gpu::Buffer::Kind::Vertices, bytesOf(marks_), "boxes");
     triangles_ = static_cast<std::int64_t>(records_.size()) * indexCount_ / 3;
-    makeSeconds_ = watch.seconds();
-
-    watch = Stopwatch();
-    // A ray's ground need not be finer than what is seen from the camera's height.
-    const double pixel = 2.0 * tangent / size.y;
-    const double height = std::max(selection_.lastClearance(), 1e-5);
-    clipmap_.update(place, std::max(2.5 * pixel, 1.0 / 220.0) * height, site.relief);
-    clipSeconds_ = watch.seconds();
-    relief_ = site.relief;
-    // Layers are counted from the terrain's own zero, whatever the address: in parts of the ring of heights.
-    for (std::size_t i = 0; i < layers_.size(); ++i) {
-        const auto bits = static_cast<unsigned>(32 + kFractionBits - 10) + static_cast<unsigned>(i);
-        const std::uint64_t within = place.height() & ((std::uint64_t{1} << bits) - 1U);
-        layers_[i] = static_cast<float>(std::ldexp(static_cast<double>(within), -static_cast<int>(bits)));
+    std::int64_t most = kMostMade - (cache_->generated() - generated);
+    for (const Tile& tile : later_) {
+        if (!cache_->has(tile) && most-- <= 0) continue;
+        cache_->place(tile, maker_, kernels, stage);
     }
+    if (missing_ == 0) prefetch(place, most, kernels, stage);
+    prepared_ = true;
+    makeSeconds_ = watch.seconds();
+    chosen_ = place;
+}
+
+void Scenery::select(const Place& place, glm::ivec2 size, double pixels) {
+    const std::vector<Tile>& tiles = selection_.tiles();
+    view_.deepest = std::numeric_limits<std::int64_t>::max();
+    for (coarser_ = 1.0;; coarser_ *= 1.2) {
+        view_.ratio = splitRatio(size.y, view_.tanHalfFov / kWider, pixels * coarser_, view_.tileLevels);
+        selection_.select(place, view_);
+        if (static_cast<int>(tiles.size()) <= cache_->capacity() || view_.ratio <= kLeastRatio) break;
+    }
+    const auto isMissing = [this](const Tile& tile) { return !cache_->has(tile); };
+    const auto missing = [&] { return std::count_if(tiles.begin(), tiles.end(), isMissing); };
+    missing_ = 0;
+    later_.clear();
+    const std::int64_t heldBefore = std::exchange(held_, 0);
+    // Not where there is nothing to go on from, nor where the cache has no room for what is drawn meanwhile.
+    if (cache_->cached() == 0 || 2 * static_cast<int>(tiles.size()) > cache_->capacity()) return;
+    const std::int64_t wanted = missing();
+    if (wanted <= kMostMade) return;
+    missing_ = wanted;
+    // The coarse ones first, and of a level the near ones.
+    later_ = tiles;
+    std::stable_sort(later_.begin(), later_.end(), [](const Tile& a, const Tile& b) { return a.level < b.level; });
+    std::int64_t deepest = 0;
+    std::int64_t highest = std::numeric_limits<std::int64_t>::max();
+    for (const Tile& tile : tiles) {
+        deepest = std::max(deepest, tile.cell.level);
+        highest = std::min(highest, tile.cell.level);
+    }
+    // What was held back last time is a good guess.
+    const std::int64_t most = deepest - highest;
+    for (held_ = std::clamp<std::int64_t>(heldBefore - 1, 1, std::max<std::int64_t>(most, 1)); held_ <= most; ++held_) {
+        view_.deepest = deepest - held_;
+        selection_.select(place, view_);
+        if (missing() <= kMostMade) return;
+    }
+}
+
+void Scenery::prefetch(const Place& place, std::int64_t most, gpu::KernelCache& kernels, gpu::Stage stage) {
+    if (!chosen_ || most <= 0) return;
+    const std::optional<glm::dvec3> moved = offsetTo(*chosen_, place);
+    const double length = moved ? glm::length(*moved) : 0.0;
+    if (length <= 0.0) return;
+    const glm::dvec3 way = *moved * glm::dvec3(1.0, 1.0, view_.relief) * (kAhead * selection_.lastClearance() / length);
+    for (const Tile& tile : selection_.prefetch(place, view_, way, static_cast<std::size_t>(cache_->capacity()))) {
+        if (cache_->has(tile)) continue;
+        if (most-- <= 0 || cache_->place(tile, maker_, kernels, stage).x < 0) break;
+        ++prefetched_;
+    }
+}
+
+bool Scenery::due() {
+    if (std::exchange(prepared_, false)) return false;
+    return missing_ > 0;
+}
+
+void Scenery::drawRange(int first, int count, glm::vec3 depth, gpu::Raster::Depth kind) {
+    raster_->set("tile_depth", depth);
+    raster_->draw(targets_, {vertices_, sizeof(glm::ivec2), indices_, indexCount_, instances_, sizeof(Instance)}, first,
+                  count, kind);
+    if (marks_.empty()) return;
+    const int each = static_cast<int>(marks_.size() / records_.size());
+    lines_->set("tile_depth", depth);
+    lines_->draw(targets_, {boxVertices_, sizeof(glm::ivec3), boxIndices_, 24, boxInstances_, sizeof(Mark), true},
+                 each * first, each * count, kind);
 }
 
 void Scenery::draw(glm::vec2 shift, glm::vec2 lens) {
@@ -229,19 +424,21 @@ void Scenery::draw(glm::vec2 shift, glm::vec2 lens) {
     raster_->set("tile_stride", stride_);
     raster_->set("tile_mesh", stride_);
     raster_->set("tile_cells", 1 << cache_->tileLevels());
-    raster_->set("tile_lines", std::max(0, debug_ - 1));
+    raster_->set("tile_lines", debug_ == kBorders ? 1 : debug_ == kWireframe ? 2 : 0);
     raster_->set("tile_camera", glm::vec3(selection_.camera()));
+    raster_->set("tile_moved", moved_);
     raster_->set("tile_clearance", static_cast<float>(selection_.lastClearance()));
-    raster_->set("tile_basis", basis_);
-    raster_->set("tile_film", film_);
-    raster_->set("tile_shift", 2.0F * shift / size);
-    raster_->set("tile_lens", glm::vec3(lens_ * lens, 1.0F / focus_));
+    for (gpu::Raster* raster : {&*raster_, marks_.empty() ? nullptr : &*lines_}) {
+        if (raster == nullptr) continue;
+        raster->set("tile_basis", basis_);
+        raster->set("tile_film", film_);
+        raster->set("tile_shift", 2.0F * shift / size);
+        raster->set("tile_lens", glm::vec3(lens_ * lens, 1.0F / focus_));
+    }
     targets_.clear(glm::vec4(0.0F), reversed_);
-    const gpu::Raster::Mesh mesh{vertices_, sizeof(glm::ivec2), indices_, indexCount_, instances_, sizeof(Instance)};
     if (reversed_) {
         const auto nearest = static_cast<float>(std::max(1e-3 * selection_.lastClearance(), 1e-9));
-        raster_->set("tile_depth", glm::vec3(0.0F, nearest, 0.0F));
-        raster_->draw(targets_, mesh, 0, static_cast<int>(records_.size()), gpu::Raster::Depth::Reversed);
+        drawRange(0, static_cast<int>(records_.size()), glm::vec3(0.0F, nearest, 0.0F), gpu::Raster::Depth::Reversed);
         return;
     }
     // Tiles of a level and of all finer ones fill a rectangle about the camera: a ray that has left it never enters it
@@ -249,9 +446,9 @@ void Scenery::draw(glm::vec2 shift, glm::vec2 lens) {
     for (const Group& group : groups_) {
         const float n = group.nearest;
         const float f = group.farthest;
-        raster_->set("tile_depth", glm::vec3(1.0F, (f + n) / (f - n), -2.0F * f * n / (f - n)));
         targets_.clearDepth(false);
-        raster_->draw(targets_, mesh, group.first, group.count, gpu::Raster::Depth::Common);
+        drawRange(group.first, group.count, glm::vec3(1.0F, (f + n) / (f - n), -2.0F * f * n / (f - n)),
+                  gpu::Raster::Depth::Common);
     }
 }
 
@@ -289,8 +486,10 @@ render::Surroundings Scenery::lookAround(const scene::Scene& scene, const glm::d
 }
 
 std::optional<double> Scenery::rebase(scene::Scene& scene) {
+    if (scene.subject.flag("frozen")) return std::nullopt; // its tiles are in the present units
     Place place = placeOf(scene);
-    const double relief = site_->relief;
+    const std::int64_t level = place.level();
+    double relief = site_->relief;
     double clearance = selection_.clearance(place, relief, view_.octaves);
     double scale = 1.0;
     while (clearance > 0.0 && clearance < 1.0 && scale < 1e6 && place.level() < Address::kMaxLevels) {
@@ -303,22 +502,62 @@ std::optional<double> Scenery::rebase(scene::Scene& scene) {
         clearance *= 0.5;
         scale *= 0.5;
     }
-    if (scale == 1.0) return std::nullopt;
-    const scene::Camera camera(scene.camera);
-    const glm::dvec3 ahead = scale * render::difference(camera.target(), camera.position());
-    const glm::dvec3 position = place.position() * glm::dvec3(1.0, 1.0, relief);
-    const auto decimals = [](const glm::dvec3& v) { return Decimal3{Decimal(v.x), Decimal(v.y), Decimal(v.z)}; };
-    scene.camera.set("position", decimals(position));
-    scene.camera.set("target", decimals(position + ahead));
-    const double focus = scene.camera.number("focus") * scale;
-    if (focus > 0.0) scene.camera.set("focus", std::min(focus, 1e6));
-    scene.subject.set("address", place.address().toString());
-    scene.subject.set("depth", std::int64_t{0});
+    // Self-affine ground is rougher the nearer one comes: heights follow the depth.
+    const Shape& shape = place.shape();
+    const bool follows = shape.hurst < 1000 && clearance > 0.0;
+    if (follows) {
+        const double zoom = zoomOf(place, clearance);
+        relief *= verticalScale(shape, place.level(), zoom) / verticalScale(shape, level, zoom_);
+        zoom_ = zoom;
+    }
+    if (scale == 1.0 && !follows) return std::nullopt;
+    put(scene, place, relief, scale);
     return scale;
+}
+
+render::Flown Scenery::autopilot(scene::Scene& scene, render::Autopilot way, double speed, double seconds) {
+    const scene::Camera camera(scene.camera);
+    if (!flight_ || flownCamera_ != scene.camera || flownSubject_ != scene.subject) {
+        Place place = placeOf(scene);
+        flight_.emplace(std::move(place), camera.orientation(), site_->relief);
+    }
+    const Place before = flight_->place();
+    const double clearance = flight_->clearance();
+    const double most = -std::log1p(-kMostFlown);
+    const auto steps = static_cast<std::int64_t>(std::ceil(std::clamp(speed * seconds / most, 1.0, 1e6)));
+    for (std::int64_t i = 0; i < steps; ++i) {
+        const double part = seconds / static_cast<double>(steps);
+        if (way == render::Autopilot::Dive) {
+            if (flight_->place().level() >= Address::kMaxLevels) break;
+            flight_->dive(speed, part);
+        } else {
+            if (flight_->place().level() <= view_.octaves) break;
+            flight_->rise(speed, part);
+        }
+    }
+    const Place& place = flight_->place();
+    render::Flown flown;
+    const double relief = std::clamp(flight_->relief(), kLeastRelief, kMostRelief);
+    if (const auto offset = offsetTo(before, place)) flown.back = -*offset * glm::dvec3(1.0, 1.0, relief);
+    const auto levels = static_cast<int>(std::clamp<std::int64_t>(place.level() - before.level(), -1000, 1000));
+    flown.scale = std::ldexp(1.0, levels);
+    // What the camera looks at lies as far ahead as the ground is away: moves by hand go on from there.
+    scene.camera.set("mode", std::string("free"));
+    const glm::dquat& view = flight_->orientation();
+    scene.camera.set("orientation", glm::dvec4(view.x, view.y, view.z, view.w));
+    const glm::dvec3 ahead = view * glm::dvec3(0, 0, -2.0 * std::max(clearance, 1e-3));
+    put(scene, place, relief, flown.scale);
+    const glm::dvec3 target = place.position() * glm::dvec3(1.0, 1.0, relief) + ahead;
+    scene.camera.set("target", Decimal3{Decimal(target.x), Decimal(target.y), Decimal(target.z)});
+    flownCamera_ = scene.camera;
+    flownSubject_ = scene.subject;
+    return flown;
 }
 
 std::vector<std::pair<std::string, double>> Scenery::counters() const {
     return {{"tiles drawn", static_cast<double>(records_.size())},
+            {"tiles missing", static_cast<double>(missing_)},
+            {"tiles prefetched", static_cast<double>(prefetched_)},
             {"tiles generated", cache_ ? static_cast<double>(cache_->generated()) : 0.0},
             {"tiles cached", cache_ ? static_cast<double>(cache_->cached()) : 0.0},
             {"tiles' room", cache_ ? static_cast<double>(cache_->capacity()) : 0.0},
@@ -335,8 +574,8 @@ std::vector<std::string> Scenery::notes() const {
                                     "subject.detail says",
                                     cache_ ? cache_->capacity() : 0, coarser_));
     }
-    if (selection_.lastClearance() <= 0.0 && !records_.empty())
-        notes.emplace_back("the camera is under the ground: raise camera.position");
+    if (lifted_)
+        notes.emplace_back("the camera is under the ground and is shown right above it: raise camera.position");
     return notes;
 }
 

@@ -212,6 +212,7 @@ struct Selection::State {
         const Levels& levels;
         double ratio;
         double clearance;
+        std::int64_t deepest;
         const Frustum* frustum;
         Horizon* horizon;
         std::vector<std::pair<std::int32_t, Box>>* found;
@@ -234,7 +235,7 @@ void Selection::State::walk(const Walk& w, std::int32_t index, bool inside) {
     if (w.horizon != nullptr && !inside && w.horizon->hides(box.least, box.most)) return;
     const double edge = w.levels.at(node.cell.level).edge;
     const double distance = std::max(groundDistance(box), w.clearance);
-    if (distance >= w.ratio * edge || node.cell.level >= w.levels.place() + kDeepestTile) {
+    if (distance >= w.ratio * edge || node.cell.level >= w.deepest) {
         w.found->emplace_back(index, box);
         if (w.horizon != nullptr) w.horizon->add(box.least, box.most);
         return;
@@ -354,6 +355,10 @@ class TileMaker {
     glm::dvec3 camera_{0.0};
 };
 
+std::int64_t deepestOf(const Levels& levels, const SelectionView& view) {
+    return std::max(std::min(levels.place() + kDeepestTile, view.deepest), levels.first());
+}
+
 } // namespace
 
 const std::vector<Tile>& Selection::select(const Place& place, const SelectionView& view) {
@@ -369,6 +374,7 @@ const std::vector<Tile>& Selection::select(const Place& place, const SelectionVi
                            levels,
                            view.ratio,
                            clearance_,
+                           deepestOf(levels, view),
                            view.cullFrustum ? &frustum : nullptr,
                            view.cullHorizon ? &horizon : nullptr,
                            &found};
@@ -392,8 +398,9 @@ std::vector<Tile> Selection::prefetch(const Place& place, const SelectionView& v
     const double clearance = state_->clearance(place, levels);
     const Frustum frustum(view);
     std::vector<std::pair<std::int32_t, Box>> found;
-    const State::Walk walk{place,   view,  levels, view.ratio, clearance, view.cullFrustum ? &frustum : nullptr,
-                           nullptr, &found};
+    const State::Walk walk{
+        place,   view,  levels, view.ratio, clearance, deepestOf(levels, view), view.cullFrustum ? &frustum : nullptr,
+        nullptr, &found};
     for (const std::int32_t root : rootsOf(state_->cache, place, levels.first()))
         state_->walk(walk, root, false);
     const TileMaker maker(place, levels, view);

@@ -2,6 +2,7 @@
 
 #include "terrain/place.hpp"
 
+#include <limits>
 #include <memory>
 
 namespace apeiron::terrain {
@@ -20,6 +21,9 @@ struct SelectionView {
     /// A tile is split while it is nearer than `ratio` times its own edge: splitRatio(). At least kLeastRatio.
     double ratio = 1.6;
     int octaves = 14; ///< levels upwards from the place's to that of the coarsest tiles; at most Place::kLiveLevels - 8
+    /// No tile's cell is of a deeper level. All that would be finer is drawn by ancestors of that one level, unmorphed:
+    /// without cracks, too.
+    std::int64_t deepest = std::numeric_limits<std::int64_t>::max();
     bool cullFrustum = true;
     bool cullHorizon = true;
 };

@@ -52,6 +52,15 @@ class Terrain : public render::Subject {
         return scenery_ ? scenery_->rebase(scene) : std::nullopt;
     }
 
+    std::optional<render::Flown> autopilot(scene::Scene& scene, render::Autopilot way, double speed,
+                                           double seconds) const override {
+        if (!scenery_) return std::nullopt;
+        return scenery_->autopilot(scene, way, speed, seconds);
+    }
+
+    bool update(const scene::Scene& /*scene*/, double /*budget*/) override { return scenery_ && scenery_->due(); }
+    bool busy() const override { return scenery_ && scenery_->busy(); }
+
     std::vector<std::pair<std::string, double>> counters() const override {
         return scenery_ ? scenery_->counters() : std::vector<std::pair<std::string, double>>{};
     }
@@ -114,10 +123,11 @@ std::vector<Parameter> parameters() {
         std::move(ground),
         choice("tile", "64", {"32", "64", "128"}, "Cells along a tile's side"),
         std::move(detail),
-        choice("mesh", "2", {"1", "2", "4"}, "Heights per vertex of the mesh; those between shade only"),
+        choice("mesh", "4", {"1", "2", "4"}, "Heights per vertex of the mesh; those between shade only"),
         ranged(declare("octaves", Type::Int, std::int64_t{14}, "Levels that are drawn upwards of the address's"), 4,
                16),
         std::move(memory),
+        declare("frozen", Type::Bool, false, "The tiles stay those that were chosen, wherever the camera goes"),
         choice("heights", "automatic", {"automatic", "cpu", "gpu"}, "Where heights of tiles are computed"),
         choice("depth_test", "automatic", {"automatic", "reversed", "blocks"},
                "How near hides far: a reversed float depth, or level by level where clip control is missing"),

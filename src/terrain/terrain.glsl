@@ -8,7 +8,7 @@ uniform int shadow_steps; //! 80 [8, 400] log | Most steps along a shadow ray
 uniform float occlusion_reach; //! 0.1 [0.005, 1] log | How far ambient occlusion looks, relative to the distance from the camera
 uniform float snow; //! 0.5 [0, 1] step 0.01 | How much of the ground the ground's second material covers: snow, sand, grass
 uniform float color_scale; //! 1 [0.05, 20] log | How fast the ground's colours change with height, where the ground has layers
-uniform int debug; //! none {none, levels, borders, wireframe} | Tiles' levels in colour, with their borders, with all lines of the mesh
+uniform int debug; //! none {none, levels, borders, wireframe, boxes, corners} | Tiles' levels in colour; with their borders, all lines of the mesh, the boxes that bound their heights, or marks where the processor has the heights of their corners
 
 uniform sampler2D terrain_seen_position;
 uniform sampler2D terrain_seen_slope;
@@ -246,7 +246,9 @@ Material surface_material(Hit hit, vec3 normal) {
     if (debug > 0) {
         float hue = fract(0.381966 * terrain_slope.z);
         m.rgb = 0.1 + 0.7 * clamp(abs(fract(hue + vec3(0.0, 0.6667, 0.3333)) * 6.0 - 3.0) - 1.0, 0.0, 1.0);
-        if (terrain_slope.w > 0.0) m.rgb *= 0.12;
+        if (terrain_slope.w == 1.0) m.rgb *= 0.12;
+        if (terrain_slope.w > 1.0)
+            return Material(vec3(0.0), 1.0, 0.0, terrain_slope.w == 2.0 ? vec3(2.0, 1.4, 0.1) : vec3(2.0, 0.05, 0.3));
     }
     return Material(m.rgb, m.a, 0.0, vec3(0.0));
 }

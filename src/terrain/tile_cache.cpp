@@ -35,9 +35,7 @@ TileCache::TileCache(const gpu::Context& context, int tileLevels, std::int64_t b
     : tileLevels_(tileLevels), bytes_(bytes), side_((1 << tileLevels) + 1), across_(tilesAcross(context, side_, bytes)),
       heights_(context, gpu::PixelFormat::RG32I, {across_ * side_, across_ * side_}, "tile heights"),
       slopes_(context, gpu::PixelFormat::RGBA16F, {across_ * side_, across_ * side_}, "tile slopes"),
-      heightTargets_(context, {&heights_}) {
-    slopes_.filterLinearly();
-}
+      heightTargets_(context, {&heights_}) {}
 
 void TileCache::begin(const Shape& shape) {
     ++turn_;

@@ -9,7 +9,7 @@
 namespace apeiron::terrain {
 
 /// Heights and slopes of tiles in GPU memory, the last used ones kept. Two textures of equal squares: heights (fine,
-/// coarse) as integers, and their slopes as halves, interpolated. Needs its context current.
+/// coarse) as integers, and their slopes as halves. Needs its context current.
 class TileCache {
   public:
     /// Who computes heights.
@@ -26,6 +26,9 @@ class TileCache {
 
     /// Begins a picture: tiles that are asked for from now on stay until the next one. Forgets all for another shape.
     void begin(const Shape& shape);
+
+    /// Whether a tile is there.
+    bool has(const Tile& tile) const { return index_.contains({tile.level, tile.x, tile.y}); }
 
     /// The first texel of a tile's square; makes it when it is not there. @returns (-1, -1) when every tile is in use
     glm::ivec2 place(const Tile& tile, Maker maker, gpu::KernelCache& kernels, gpu::Stage stage);

@@ -1,3 +1,5 @@
+#include "terrain/glsl/tile_projection.glsl"
+
 // A vertex of a tile: the operations of terrain::morphed(), so that borders of tiles agree in every bit.
 
 in ivec2 grid;        // of the mesh
@@ -9,11 +11,7 @@ uniform isampler2D tile_heights;
 uniform int tile_stride;      // vertices of the lattice per one of the mesh
 uniform vec3 tile_camera;     // from the origin [world]
 uniform float tile_clearance; // [world]
-uniform mat3 tile_basis;      // camera to world
-uniform vec2 tile_film;       // 1 / (width / 2), 1 / (height / 2) of the picture at distance 1
-uniform vec2 tile_shift;      // of the picture [clip space]
-uniform vec3 tile_lens;       // point of the lens, camera space [world]; 1 / focal distance
-uniform vec3 tile_depth;      // 0, nearest, 0: reversed; 1, and two coefficients otherwise
+uniform vec3 tile_moved;     // the camera since the tiles were chosen [world]
 
 out vec3 vertex_position; // from the camera [world]
 out vec2 vertex_lattice;  // within the tile [vertices]
@@ -35,16 +33,11 @@ void main() {
     p.xy = (at - m * vec2(odd * tile_stride)) * spacing;
     p.z = (1.0 - m) * (float(fine - tile_height.x) * tile_scale.y) + m * (float(coarse - tile_height.x) * tile_scale.y);
     p -= tile_camera;
+    p -= tile_moved;
     vertex_position = p;
     vertex_lattice = vec2(lattice) - m * vec2(odd * tile_stride);
     vertex_morph = m;
     vertex_tile = vec4(vec2(tile_place.zw), 4096.0 * tile_scale.y / spacing, spacing);
     vertex_level = float(tile_height.y);
-
-    vec3 v = p * tile_basis;
-    float d = -v.z;
-    // All rays of a sample leave one point of the lens and meet those of the others in the plane of focus.
-    vec2 film = v.xy - tile_lens.xy * (1.0 - d * tile_lens.z);
-    gl_Position = vec4(film * tile_film * vec2(1.0, -1.0) - tile_shift * d, 0.0, d);
-    gl_Position.z = tile_depth.x == 0.0 ? tile_depth.y : d * tile_depth.y + tile_depth.z;
+    gl_Position = tile_project(p);
 }
