@@ -18,6 +18,7 @@
 #include <ctime>
 #include <fstream>
 #include <unistd.h>
+#include <utility>
 
 namespace {
 
@@ -121,8 +122,8 @@ struct Frames {
 
 class Dive {
   public:
-    Dive(const gpu::Context& context, scene::Scene scene, const Settings& settings)
-        : settings_(settings), session_(context, std::move(scene), options()) {}
+    Dive(const gpu::Context& context, scene::Scene scene, Settings settings)
+        : settings_(std::move(settings)), session_(context, std::move(scene), options()) {}
 
     /// The whole picture: every tile that it needs, and one sample.
     Image<float> still() {

@@ -276,7 +276,7 @@ TEST(TerrainPicture, says_what_is_wrong_with_an_address_or_a_camera) {
     scene.set("subject.address", std::string_view("\"01240\""));
     const auto digit = errorOf([&] { const session::Session session(context(), scene, {}); });
     ASSERT_TRUE(digit);
-    EXPECT_NE(std::string(digit->what()).find("4"), std::string::npos) << digit->what();
+    EXPECT_NE(std::string(digit->what()).find('4'), std::string::npos) << digit->what();
     scene = range();
     scene.set("camera.position", std::string_view("1e9,0,1"));
     EXPECT_TRUE(errorOf([&] { const session::Session session(context(), scene, {}); }));
