@@ -7,6 +7,7 @@
 #include "io/image_file.hpp"
 #include "io/volume_file.hpp"
 #include "session/session.hpp"
+#include "session/volume_scene.hpp"
 
 #include <fmt/format.h>
 
@@ -33,16 +34,6 @@ scene::Scene loadFromStandardInput() {
         throw Error(ErrorKind::Io, "standard input cannot be read");
     }
     return scene::Scene::parse(session::catalogue(), "standard input", text, fs::current_path());
-}
-
-/// A volume's file, shown with no settings at all.
-scene::Scene volumeScene(const std::string& file) {
-    scene::Scene scene(session::catalogue());
-    scene.title = fs::path(file).filename().string();
-    scene.set("subject", Json{{"type", "volume"}, {"source", fs::path(file).is_absolute() ? file : "./" + file}});
-    scene.set("renderer.type", "eam");
-    scene.set("environment.type", "gradient");
-    return scene;
 }
 
 } // namespace
@@ -76,7 +67,10 @@ scene::Scene loadScene(const std::string& argument) {
     }
     if (fs::status(argument, ignored).type() == fs::file_type::not_found)
         throw Error(ErrorKind::Io, "there is no such file", argument);
-    if (io::isVolume(argument)) return volumeScene(argument);
+    if (io::isVolume(argument)) {
+        const fs::path file(argument);
+        return session::volumeScene(file.is_absolute() ? argument : "./" + argument, file.filename().string());
+    }
     const bool picture = io::detectImageFormat(argument).has_value();
     return parseScene(argument, picture ? io::readScene(argument) : readFile(argument));
 }

@@ -40,6 +40,7 @@ bool sendVolume(std::FILE* to, const Volume& volume) {
                       {"slope", volume.slope},
                       {"intercept", volume.intercept},
                       {"matrix", matrix},
+                      {"oriented", volume.oriented},
                       {"time_step", volume.timeStep},
                       {"modality", static_cast<int>(volume.modality)},
                       {"unit", volume.unit},
@@ -69,6 +70,7 @@ Volume receiveVolume(std::FILE* from, std::size_t limit) {
     volume.intercept = header.at("intercept").get<double>();
     for (int i = 0; i < 16; ++i)
         volume.indexToWorld[i / 4][i % 4] = header.at("matrix").at(static_cast<std::size_t>(i)).get<double>();
+    volume.oriented = header.at("oriented").get<bool>();
     volume.timeStep = header.at("time_step").get<double>();
     volume.modality = static_cast<volume::Modality>(header.at("modality").get<int>());
     volume.unit = header.at("unit").get<std::string>();

@@ -20,12 +20,15 @@ Json automaticTransfer(const Volume& volume, const std::vector<DataRange>& range
 /// Whether the values are Hounsfield units.
 bool inHounsfieldUnits(const Volume& volume, const std::vector<DataRange>& ranges);
 
-/// The direction from the middle of the volume to the camera of a first picture, of length 1: a little to the side of
-/// the front. Patients are seen from the front, their left on the right of the picture.
-glm::dvec3 frontDirection();
+/// Whether things stand on their heads in a volume whose file does not say how it lies: what is cut off by the box, as
+/// a neck is, is cut off below, and here it is above; or (CT) the end with more bone, a skull's, is below. Slices that
+/// begin at the crown of a head are common.
+bool isUpsideDown(const Volume& volume, const std::vector<DataRange>& ranges, int time = 0);
 
-/// How far the camera is from the middle so that the sphere around the volume fills the picture.
-/// @param radius of that sphere @param fov of the narrower side of the picture [rad]
-double framingDistance(double radius, double fov);
+/// The direction from the middle of the volume to the camera of a first picture, of length 1: a little to the side of
+/// the front. Patients are seen from the front, their left on the right of the picture; what lies on a microscope's
+/// stage, and what is flat, from above.
+/// @param extent of what is seen, along the world's axes [mm]
+glm::dvec3 frontDirection(Modality modality, glm::dvec3 extent);
 
 } // namespace apeiron::volume

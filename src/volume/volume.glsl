@@ -232,4 +232,13 @@ vec3 field_emission(vec3 position, vec4 color) {
     return volume_emission(volume_place(position), vec4(color.rgb, color.a / max(density * volume_unit, 1e-30)));
 }
 
-vec3 field_gradient(vec3 position) { return volume_world_gradient(volume_place(position)); }
+// Outside there is nothing: where things are cut off by the box, that is their surface.
+vec3 field_gradient(vec3 position) {
+    vec3 place = volume_place(position);
+    vec3 slope = volume_world_gradient(place);
+    vec3 below = vec3(lessThan(place, vec3(0.75)));
+    vec3 above = vec3(greaterThan(place, volume_size - 0.75));
+    for (int i = 0; i < int(any(greaterThan(below + above, vec3(0.0)))); ++i)
+        slope += (0.5 * max(volume_largest(volume_values(place)), 0.0) * (below - above)) * volume_to_grid;
+    return slope;
+}

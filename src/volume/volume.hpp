@@ -29,6 +29,7 @@ struct Volume {
     double slope = 1; ///< value = slope * stored + intercept
     double intercept = 0;
     glm::dmat4 indexToWorld{1}; ///< centre of voxel (i, j, k) -> world [mm]; any affine map, oblique and mirrored too
+    bool oriented = false;      ///< the file says how the grid lies in the patient or the world
     double timeStep = 0;        ///< between points of time [s]; 0: unknown
     Modality modality = Modality::Unknown;
     std::string unit; ///< of a value, "HU" for example; empty: unknown

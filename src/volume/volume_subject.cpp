@@ -7,10 +7,12 @@
 #include "volume/generators.hpp"
 #include "volume/grid.hpp"
 #include "volume/source.hpp"
+#include "volume/statistics.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -78,17 +80,20 @@ struct Grid {
     Choice choice;
     std::shared_ptr<const Volume> volume;
     std::vector<DataRange> data; ///< of each channel
+    Modality modality = Modality::Unknown;
+    Json automatic; ///< the transfer function that "auto" stands for
     GridTexture texture;
     BrickRanges ranges;
     glm::dmat3 toGrid{1.0}; ///< world -> grid, whose voxel (0, 0, 0) is the box from 0 to 1
     glm::dvec3 origin{0.0}; ///< grid coordinates of the world's origin
     double longest = 1.0;   ///< side of the box [world units]
     double spacing = 1.0;   ///< of neighbouring voxels, at least [world units]
-    render::Bounds bounds;
+    bool turned = false;    ///< upright: half a turn about the world's y
 };
 
 void place(Grid& grid) {
-    const glm::dmat4 toWorld = grid.volume->indexToWorld;
+    glm::dmat4 toWorld = grid.volume->indexToWorld;
+    if (grid.turned) toWorld = glm::dmat4(glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, -1)) * toWorld;
     const glm::dmat3 axes(toWorld);
     if (!(std::abs(glm::determinant(axes)) > 0.0))
         throw Error(ErrorKind::BadInput, "the voxels have no size: the axes of the grid lie in a plane",
@@ -102,12 +107,48 @@ void place(Grid& grid) {
         grid.longest = std::max(grid.longest, size[i] * glm::length(axes[i]));
         grid.spacing = std::min(grid.spacing, glm::length(axes[i]));
     }
-    grid.bounds.center = glm::dvec3(toWorld * glm::dvec4(0.5 * size - 0.5, 1.0));
-    for (int corner = 0; corner < 8; ++corner) {
-        const glm::dvec3 side(corner & 1, (corner >> 1) & 1, corner >> 2);
-        grid.bounds.radius = std::max(grid.bounds.radius, glm::length(axes * ((side - 0.5) * size)));
+}
+
+/// What a first picture shows: the bricks of which something is seen.
+render::Bounds boundsOf(const Grid& grid, const std::vector<float>& opacities) {
+    const BrickRanges& bricks = grid.ranges;
+    const float most = *std::max_element(opacities.begin(), opacities.end());
+    const float seen = 0.02F * most;
+    glm::ivec3 low = bricks.size;
+    glm::ivec3 high(-1);
+    std::size_t i = 0;
+    for (int z = 0; z < bricks.size.z; ++z)
+        for (int y = 0; y < bricks.size.y; ++y)
+            for (int x = 0; x < bricks.size.x; ++x, ++i)
+                if (opacities[i] > seen) {
+                    low = glm::min(low, glm::ivec3(x, y, z));
+                    high = glm::max(high, glm::ivec3(x, y, z));
+                }
+    if (high.x < 0) {
+        low = glm::ivec3(0);
+        high = bricks.size - 1;
     }
-    grid.bounds.front = frontDirection();
+    const glm::dmat3 axes = glm::inverse(grid.toGrid);
+    const glm::dvec3 first(low * bricks.side);
+    const glm::dvec3 last(glm::min((high + 1) * bricks.side, grid.volume->size));
+    glm::dvec3 extent(0.0);
+    std::array<glm::dvec3, 8> corners{};
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 side(corner & 1, (corner >> 1) & 1, corner >> 2);
+        corners[corner] = axes * ((side - 0.5) * (last - first));
+        extent = glm::max(extent, 2.0 * glm::abs(corners[corner]));
+    }
+    render::Bounds bounds;
+    bounds.center = axes * (0.5 * (first + last) - grid.origin);
+    bounds.front = frontDirection(grid.modality, extent);
+    for (const glm::dvec3& corner : corners) {
+        // What is nearer to the camera looks larger: by as much as at the default angle of view.
+        constexpr double kPerspective = 0.4;
+        const double near = glm::dot(corner, bounds.front);
+        const double aside = glm::length(corner - near * bounds.front);
+        bounds.radius = std::max(bounds.radius, aside + kPerspective * std::max(near, 0.0));
+    }
+    return bounds;
 }
 
 std::shared_ptr<Grid> makeGrid(const gpu::Context& context, const Choice& choice) {
@@ -121,8 +162,11 @@ std::shared_ptr<Grid> makeGrid(const gpu::Context& context, const Choice& choice
                                 volume.timePoints == 1 ? "" : "s"),
                     "subject.time");
     }
-    place(*grid);
     grid->data = dataRanges(volume, choice.time);
+    grid->turned = !isGenerator(choice.source) && isUpsideDown(volume, grid->data, choice.time);
+    grid->modality = guessModality(volume, statistics(volume));
+    grid->automatic = automaticTransfer(volume, grid->data);
+    place(*grid);
     grid->ranges = brickRanges(volume, choice.time, choice.brick);
     grid->texture = uploadGrid(context, volume, choice.time, grid->ranges);
     return grid;
@@ -149,6 +193,7 @@ struct Transfer {
     gpu::Texture glow;
     bool glows = false;
     gpu::Texture3D bricks;
+    render::Bounds bounds; ///< of what is seen
 };
 
 gpu::Texture3D brickTexture(const gpu::Context& context, const BrickRanges& ranges, const std::vector<float>& values) {
@@ -158,7 +203,7 @@ gpu::Texture3D brickTexture(const gpu::Context& context, const BrickRanges& rang
 }
 
 Transfer makeTransfer(const gpu::Context& context, const Grid& grid, const Json& json) {
-    const std::vector<TransferFunction> functions = transferFunctions(json, automaticTransfer(*grid.volume, grid.data));
+    const std::vector<TransferFunction> functions = transferFunctions(json, grid.automatic);
     const std::vector<TransferTable> tables = transferTables(functions, grid.data);
     Transfer transfer;
     transfer.json = json;
@@ -185,7 +230,9 @@ Transfer makeTransfer(const gpu::Context& context, const Grid& grid, const Json&
     transfer.table.upload(rgba);
     transfer.glow = gpu::Texture(context, gpu::PixelFormat::RGBA32F, transfer.glows ? size : glm::ivec2(1), "glow");
     if (transfer.glows) transfer.glow.upload(glow);
-    transfer.bricks = brickTexture(context, grid.ranges, majorants(grid.ranges, opacities, width, transfer.lookup));
+    const std::vector<float> most = majorants(grid.ranges, opacities, width, transfer.lookup);
+    transfer.bricks = brickTexture(context, grid.ranges, most);
+    transfer.bounds = boundsOf(grid, most);
     return transfer;
 }
 
@@ -225,9 +272,16 @@ class VolumeSubject : public render::Subject {
         grid_->texture.texture.setLinear(scene.subject.choice("interpolation") == 0 && filterable());
     }
 
-    std::optional<render::Bounds> bounds() const override { return grid_->bounds; }
+    std::optional<render::Bounds> bounds() const override { return transfer_.bounds; }
 
-    std::vector<std::string> notes(const scene::Scene& /*scene*/) const override { return grid_->volume->messages; }
+    std::vector<std::string> notes(const scene::Scene& /*scene*/) const override {
+        std::vector<std::string> notes = grid_->volume->messages;
+        if (grid_->turned)
+            notes.emplace_back(
+                "the file does not say how it lies, and what is cut off by its box is above: it is shown upside "
+                "down, half a turn about y");
+        return notes;
+    }
 
     void addSource(gpu::ShaderSource& source, const scene::Scene& scene,
                    const render::BuildOptions& options) const override {

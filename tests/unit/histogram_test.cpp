@@ -4,6 +4,7 @@
 #include "volume/histogram.hpp"
 #include "volume/voxels.hpp"
 
+#include <cmath>
 #include <numeric>
 
 namespace apeiron::volume {
@@ -118,6 +119,69 @@ TEST(DefaultsTest, presets_follow_what_made_the_data) {
     const auto functions = transferFunctions(transfer, "grey");
     EXPECT_EQ(evaluate(functions[0], 1.0, 0.0).opacity, 0.0) << "light that went through everything shows nothing";
     EXPECT_GT(evaluate(functions[1], 0.6, 0.0).color.z, 0.5) << "DNA is blue";
+}
+
+TEST(DefaultsTest, things_of_no_known_kind_are_told_apart_by_their_values) {
+    const auto automatic = [](const auto& value) {
+        Volume volume = makeVolume({32, 32, 32}, VoxelType::UInt8);
+        auto* voxel = mutableVoxels<std::uint8_t>(volume);
+        for (int i = 0; i < 32 * 32 * 32; ++i)
+            voxel[i] = static_cast<std::uint8_t>(i % 4 == 0 ? value(i / 4) : 0);
+        return automaticTransfer(volume, dataRanges(volume));
+    };
+    EXPECT_EQ(automatic([](int i) { return 256 / (1 + i % 97); }), Json("simulation")) << "values fade away";
+    EXPECT_EQ(automatic([](int i) { return i % 10 < 7 ? 30 + i % 5 : 200 + i % 7; }), Json("layers")) << "most is thin";
+    EXPECT_EQ(automatic([](int i) { return i % 10 < 3 ? 30 + i % 5 : 180 + i % 7; }), Json("solid"));
+}
+
+/// A head of bone around something soft on a neck, in the numbers of a scanner (Hounsfield's + 1024), crown down or up.
+Volume scannedHead(bool crownDown) {
+    Volume volume = makeVolume({40, 40, 24}, VoxelType::Int16);
+    auto* voxel = mutableVoxels<std::int16_t>(volume);
+    for (int z = 0; z < 24; ++z)
+        for (int y = 0; y < 40; ++y)
+            for (int x = 0; x < 40; ++x, ++voxel) {
+                const double r = std::hypot(x - 19.5, y - 19.5);
+                const int height = crownDown ? 23 - z : z;
+                const bool bone = height > 12 ? r > 14 && r < 17 : r < 2;
+                *voxel = static_cast<std::int16_t>(bone ? 2200 : r < (height > 12 ? 17.0 : 13.0) ? 1060 : 20);
+            }
+    return volume;
+}
+
+TEST(DefaultsTest, a_scanners_numbers_are_hounsfield_units_with_an_offset) {
+    const Volume head = scannedHead(false);
+    const auto functions = transferFunctions(automaticTransfer(head, dataRanges(head)), "grey");
+    const auto preset = transferFunctions("ct_skin_and_bone", "grey");
+    for (const double value : {-1000.0, -300.0, 40.0, 300.0, 1200.0})
+        EXPECT_DOUBLE_EQ(evaluate(functions[0], value + 1024.0, 0.0).opacity, evaluate(preset[0], value, 0.0).opacity);
+}
+
+TEST(DefaultsTest, heads_stand_upright_where_the_file_does_not_say_how_they_lie) {
+    for (const bool crownDown : {false, true}) {
+        Volume head = scannedHead(crownDown);
+        EXPECT_EQ(isUpsideDown(head, dataRanges(head)), crownDown);
+        head.oriented = true;
+        EXPECT_FALSE(isUpsideDown(head, dataRanges(head))) << "what the file says holds";
+    }
+    // Something that is cut off by its box stands on the cut.
+    for (const bool above : {false, true}) {
+        Volume thing = makeVolume({32, 32, 32}, VoxelType::UInt8);
+        auto* voxel = mutableVoxels<std::uint8_t>(thing);
+        for (int i = 0; i < 32 * 32 * 32; ++i) {
+            const int z = i / 1024;
+            const bool inside = std::hypot(i % 32 - 16, i / 32 % 32 - 16) < 0.5 * (above ? z : 31 - z) - 2;
+            voxel[i] = inside ? 100 : 0;
+        }
+        centre(thing, glm::dvec3(1.0));
+        EXPECT_EQ(isUpsideDown(thing, dataRanges(thing)), above);
+    }
+}
+
+TEST(DefaultsTest, flat_things_and_what_lies_under_a_microscope_are_seen_from_above) {
+    EXPECT_LT(frontDirection(Modality::Ct, {200, 200, 150}).z, 0.5);
+    EXPECT_GT(frontDirection(Modality::Unknown, {200, 200, 10}).z, 0.8);
+    EXPECT_GT(frontDirection(Modality::Microscopy, {20, 20, 20}).z, 0.5);
 }
 
 TEST(DefaultsTest, every_generated_volume_gets_a_function_that_shows_it) {

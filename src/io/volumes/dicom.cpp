@@ -319,6 +319,7 @@ Volume readFrames(const Slice& slice, std::size_t limit, Volume volume) {
 
 Volume readDicom(const std::vector<fs::path>& files, std::size_t limit) {
     Volume volume;
+    volume.oriented = true;
     std::vector<Slice> slices = chosenStack(files, volume);
     setModality(volume, slices.front().modality);
     if (slices.size() == 1) return readFrames(slices.front(), limit, std::move(volume));

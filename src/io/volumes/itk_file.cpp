@@ -35,7 +35,7 @@ Shape shapeOf(const itk::ImageIOBase& io) {
 }
 
 /// Spacing, direction and origin as one map; ITK's world is LPS, as ours.
-void setPlace(Volume& volume, const itk::ImageIOBase& io) {
+void setPlace(Volume& volume, const itk::ImageIOBase& io, VolumeKind kind) {
     const unsigned dimensions = std::min(io.GetNumberOfDimensions(), 3U);
     glm::dmat4 map(1);
     for (unsigned axis = 0; axis < dimensions; ++axis) {
@@ -54,6 +54,11 @@ void setPlace(Volume& volume, const itk::ImageIOBase& io) {
         glm::length(glm::dvec3(map[0])) * glm::length(glm::dvec3(map[1])) * glm::length(glm::dvec3(map[2]));
     if (finite && std::abs(glm::determinant(glm::dmat3(map))) > 1e-6 * extent && extent > 0) {
         volume.indexToWorld = map;
+        // What says nothing has the grid's own axes.
+        const glm::dmat3 axes(map);
+        volume.oriented =
+            kind == VolumeKind::Nifti ||
+            axes != glm::dmat3(glm::length(axes[0]), 0, 0, 0, glm::length(axes[1]), 0, 0, 0, glm::length(axes[2]));
     } else {
         volume.messages.emplace_back("its spacing or orientation cannot be; voxels are taken as 1 mm");
     }
@@ -134,7 +139,7 @@ Volume readItk(const std::filesystem::path& file, VolumeKind kind, std::size_t l
     const std::size_t voxels = shape.x * shape.y * shape.z * shape.times;
     if (kind == VolumeKind::MetaImage) requireMetaVoxels(file, voxels * shape.channels, bytesOf(element));
     if (kind == VolumeKind::Nifti) requireNiftiVoxels(file, voxels, shape.channels);
-    setPlace(volume, *io);
+    setPlace(volume, *io, kind);
     if (shape.times > 1 && kind == VolumeKind::Nifti && std::isfinite(io->GetSpacing(3)))
         volume.timeStep = io->GetSpacing(3);
     std::vector<std::byte> elements = readElements(*io, bytes);

@@ -71,7 +71,9 @@ void field_march(FieldLook look, ivec2 pixel, out vec4 radiance, out vec4 geomet
     float through = 1.0;
     float depth = 0.0;
     bool inside = field_clip(ray);
-    float stride = max(look.step * field_spacing(), (ray.t_max - ray.t_min) / 8000.0);
+    // Steps as wide as voxels; where these are smaller than the pixel, as the pixel: samples begin anywhere in it.
+    float footprint = ray.width + ray.spread * max(ray.t_min, 0.0);
+    float stride = max(look.step * max(field_spacing(), footprint), (ray.t_max - ray.t_min) / 8000.0);
     float t = ray.t_min + stride * random_pair(pixel, 16u).x;
     float t_end = t;
     for (int i = 0; i < 8192 && inside && t < ray.t_max && through > 2e-3; ++i) {
