@@ -196,6 +196,8 @@ TEST_F(ItkFileTest, metaimage_has_spacing_axes_and_offset) {
     EXPECT_EQ(placeOf(volume, {2, 0, 0}), glm::dvec3(5, 7, 7));
     EXPECT_EQ(placeOf(volume, {0, 1, 0}), glm::dvec3(3, 6, 7));
     EXPECT_EQ(placeOf(volume, {0, 0, 1}), glm::dvec3(5, 6, 10));
+    EXPECT_TRUE(volume.oriented);
+    EXPECT_FALSE(readBytes("a.mha", metaImage("MET_UCHAR", "", std::string(kVoxels, 'x'))).oriented);
 }
 
 TEST_F(ItkFileTest, metaimage_has_channels_and_a_fourth_dimension_is_time) {

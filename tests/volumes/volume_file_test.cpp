@@ -76,6 +76,8 @@ TEST_F(VolumeFileTest, what_the_readers_process_sends_is_what_the_reader_read) {
     EXPECT_EQ(sent.timeStep, here.timeStep);
     EXPECT_EQ(sent.indexToWorld, here.indexToWorld);
     EXPECT_EQ(sent.type, here.type);
+    EXPECT_TRUE(here.oriented);
+    EXPECT_TRUE(sent.oriented);
     EXPECT_EQ(sent.name, (folder_ / "a.nii").string());
     EXPECT_EQ(sent.messages, here.messages);
 }
