@@ -65,6 +65,10 @@ std::string Session::emptyReason() {
     lookAt(height / 2, 1);
     for (int first = 0; first < height && showsNothing(); first += kRows)
         lookAt(first, std::min(kRows, height - first));
+    // A camera may be inside a volume; what hides one is not what hides a formula's surface.
+    if (!content.surface && scene_.subject.type().name == "volume")
+        return "nothing of the volume is in view; turn the camera (camera.target), let more of its values be seen "
+               "(subject.transfer, subject.density), or cut away less (subject.clip, subject.clip_planes)";
     if (isInside(content, distance, scale) || (!content.surface && distance <= 0.0))
         return "the camera is inside the surface; move it (camera.position)";
     if (!content.surface) {

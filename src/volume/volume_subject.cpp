@@ -278,8 +278,8 @@ class VolumeSubject : public render::Subject {
         std::vector<std::string> notes = grid_->volume->messages;
         if (grid_->turned)
             notes.emplace_back(
-                "the file does not say how it lies, and what is cut off by its box is above: it is shown upside "
-                "down, half a turn about y");
+                "the file does not say how it lies, and it seems to stand on its head: it is turned by 180 "
+                "degrees about y");
         return notes;
     }
 

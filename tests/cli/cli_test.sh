@@ -310,6 +310,38 @@ for place in 32,18 0.5,0.5; do
         awk "BEGIN { f = $(json focus.json scene camera focus); exit !(f > 1.5 && f < 2.8) }"
 done
 
+# --- Volumes ---
+# Four voxels of each of two channels: 0 1 2 3, 4 5 6 7.
+printf '\000\001\002\003\004\005\006\007' >v.raw
+form=2x2x1:uint8:channels=2:spacing=0.5x0.5x2
+expect 0 '^size +2x2x1 voxels, uint8' info v.raw --raw $form
+expect 0 '^spacing +0.5 x 0.5 x 2 mm' info v.raw --raw $form
+expect 0 '^channel 1 +4 to 7, mean 5.5' info v.raw --raw $form
+apeiron info v.raw --raw $form --json
+cp stdout volume.json
+check 'a volume has a size' test "$(json volume.json volume size 1)" = 2
+check 'a volume has channels' test "$(json volume.json volume channels)" = 2
+check 'a volume has points of time' test "$(json volume.json volume times)" = 1
+check 'a volume has an orientation' test "$(json volume.json volume orientation)" = LPS
+check 'a volume has a range' test "$(json volume.json volume values 1 max)" = 7.0
+check 'a volume has percentiles' test "$(json volume.json volume values 0 percentiles 50)" = 1.0
+expect 2 'v.raw: has 8 bytes, and 3x3x1:uint8 needs 9' info v.raw --raw 3x3x1:uint8
+expect 2 'v.raw: .* need .* GB, and there are' info v.raw --raw 60000x60000x60000:float32
+printf 'ObjectType = Image\nNDims = 3\nDimSize = 60000 60000 60000\nElementType = MET_FLOAT\nElementDataFile = LOCAL\n' >huge.mha
+expect 2 'huge.mha: its header asks for .* GB of memory' info huge.mha
+printf 'ObjectType = Image\nNDims = 99\nDimSize = 1\nElementType = MET_FLOAT\nElementDataFile = LOCAL\n' >bad.mha
+expect 2 'bad.mha: NDims' info bad.mha
+# A scene names its volume from its own folder, wherever the program is started.
+mkdir scene
+head -c 4096 /dev/zero >scene/even.raw
+{ head -c 2048 /dev/zero | tr '\0' x; head -c 2048 /dev/zero; } >scene/ball.raw
+printf '{ "subject": {"type": "volume", "source": "ball.raw", "raw": "16x16x16:uint8"}, "renderer": {"type": "mip"} }' >scene/ball.json
+expect 0 ball.png render scene/ball.json -o ball.png --size 32x32 --samples 1
+apeiron render scene/ball.json -o ball.png --size 32x32 --samples 1 --set subject.source=./none.raw
+verify 2 'none.raw' 'a volume that is not there'
+apeiron render scene/ball.json -o ball.png --size 32x32 --samples 1 --set subject.source=scene/even.raw
+check 'an empty picture says why' grep -q 'nothing of the volume is in view' stderr
+
 # --- Nothing half-written is left ---
 check 'no temporary files' test -z "$(find . -name '.apeiron*')"
 
