@@ -97,7 +97,8 @@ std::string stageText(const ShaderSource& source, Stage stage, const std::vector
     assert(outputs.size() == formats.size());
     std::string text = fmt::format("#version {}\n", version);
     text += "precision highp float;\nprecision highp int;\n"
-            "precision highp sampler2D;\nprecision highp isampler2D;\nprecision highp sampler3D;\n";
+            "precision highp sampler2D;\nprecision highp isampler2D;\nprecision highp sampler3D;\n"
+            "precision highp usampler3D;\n";
     text += fmt::format("#define APEIRON_OUTPUTS {}\n", outputs.size());
     for (std::size_t i = 0; i < outputs.size(); ++i) {
         const ImageFormat format = imageFormat(formats[i]);

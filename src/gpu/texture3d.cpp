@@ -12,7 +12,7 @@ namespace apeiron::gpu {
 namespace {
 
 TexelLayout info(GridFormat format) {
-    static const std::array<TexelLayout, 9> kFormats{{
+    static const std::array<TexelLayout, 11> kFormats{{
         {GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1, 1},
         {GL_RG8, GL_RG, GL_UNSIGNED_BYTE, 2, 2},
         {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, 4, 4},
@@ -22,6 +22,8 @@ TexelLayout info(GridFormat format) {
         {GL_R32F, GL_RED, GL_FLOAT, 1, 4},
         {GL_RG32F, GL_RG, GL_FLOAT, 2, 8},
         {GL_RGBA32F, GL_RGBA, GL_FLOAT, 4, 16},
+        {GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT, 2, 8},
+        {GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, 4, 16},
     }};
     return kFormats[static_cast<std::size_t>(format)];
 }
@@ -37,6 +39,7 @@ int bytesPerTexel(GridFormat format) {
 }
 
 bool filterable(const Context& context, GridFormat format) {
+    if (info(format).type == GL_UNSIGNED_INT) return false;
     return info(format).type != GL_FLOAT || context.capabilities().floatFiltering;
 }
 

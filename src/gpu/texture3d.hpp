@@ -9,14 +9,16 @@
 
 namespace apeiron::gpu {
 
-/// Texel formats of 3D textures. All can be sampled everywhere, WebGL 2 included; see filterable() for the rest.
-enum class GridFormat { R8, RG8, RGBA8, R16F, RG16F, RGBA16F, R32F, RG32F, RGBA32F };
+/// Texel formats of 3D textures. All can be sampled everywhere, WebGL 2 included; see filterable() for the rest. Those
+/// of integers are for usampler3D and texelFetch.
+enum class GridFormat { R8, RG8, RGBA8, R16F, RG16F, RGBA16F, R32F, RG32F, RGBA32F, RG32UI, RGBA32UI };
 
 /// Channels of a texel: 1, 2 or 4.
 int channelsOf(GridFormat format);
 /// Bytes of one texel.
 int bytesPerTexel(GridFormat format);
-/// Whether the device interpolates that format: 32-bit floats need OES_texture_float_linear in ES and WebGL.
+/// Whether the device interpolates that format: 32-bit floats need OES_texture_float_linear in ES and WebGL,
+/// integers never are.
 bool filterable(const Context& context, GridFormat format);
 
 /// A 3D texture without mipmaps, clamped. Read only for kernels. Needs its context to be current, always.
@@ -39,7 +41,7 @@ class Texture3D {
     void setLinear(bool linear);
 
     /// Sets `slices` slices from `first` on: x fastest, channels interleaved, in the format's own type (bytes, half or
-    /// single floats).
+    /// single floats, 32-bit integers).
     void upload(std::span<const std::byte> texels, int first, int slices);
 
   private:

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <type_traits>
 
 namespace apeiron::volume {
 namespace {
@@ -209,6 +210,71 @@ GridTexture uploadGrid(const gpu::Context& context, const Volume& volume, int ti
     }
     context.check("uploading the volume");
     return grid;
+}
+
+std::optional<gpu::Texture3D> uploadCorners(const gpu::Context& context, const Volume& volume, int time,
+                                            const BrickRanges& ranges, std::size_t limit) {
+    const Texel texel = texelOf(volume, ranges);
+    if (volume.channels != 1 || texel == Texel::Single) return std::nullopt;
+    const glm::ivec3 size = volume.size + 1;
+    const gpu::GridFormat format = texel == Texel::Byte ? gpu::GridFormat::RG32UI : gpu::GridFormat::RGBA32UI;
+    const auto plane = static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y);
+    const auto bytes = static_cast<std::size_t>(gpu::bytesPerTexel(format));
+    const int most = context.capabilities().maxTextureSize3D;
+    if (std::max({4 * size.x + 8, size.y, size.z}) > most || plane * static_cast<std::size_t>(size.z) * bytes > limit)
+        return std::nullopt;
+    const glm::ivec3 blocks = (size + 1) / 2;
+    gpu::Texture3D texture(context, format, blocks * glm::ivec3(8, 1, 1), "corners of " + volume.name);
+    const std::size_t count = sliceVoxels(volume);
+    std::vector<float> values(count);
+    const auto read = [&](int z, auto& slice) {
+        using Word = typename std::remove_reference_t<decltype(slice)>::value_type;
+        readSlice(volume, time, 0, z, values);
+        for (std::size_t i = 0; i < count; ++i) {
+            if constexpr (sizeof(Word) == 1) {
+                const int lowest = volume.type == VoxelType::Int8 ? -128 : 0;
+                slice[i] = static_cast<Word>(static_cast<int>(values[i]) - lowest);
+            } else {
+                slice[i] = toHalf(values[i]).bits;
+            }
+        }
+    };
+    const auto fill = [&](auto below) {
+        using Word = typename decltype(below)::value_type;
+        read(0, below);
+        auto above = below;
+        std::vector<Word> texels(64 * static_cast<std::size_t>(blocks.x) * static_cast<std::size_t>(blocks.y));
+        for (int z = 0; z < size.z; ++z) {
+            if (z > 0 && z < volume.size.z) read(z, above);
+            for (int y = 0; y < size.y; ++y) {
+                const auto row = [&](const std::vector<Word>& slice, int which) {
+                    return &slice[static_cast<std::size_t>(std::clamp(which, 0, volume.size.y - 1)) *
+                                  static_cast<std::size_t>(volume.size.x)];
+                };
+                const std::array rows{row(below, y - 1), row(below, y), row(above, y - 1), row(above, y)};
+                for (int x = 0; x < size.x; ++x) {
+                    const int left = std::max(x - 1, 0);
+                    const int right = std::min(x, volume.size.x - 1);
+                    const int block = (y / 2 * blocks.x + x / 2) * 8 + x % 2 + 2 * (y % 2) + 4 * (z % 2);
+                    Word* to = &texels[8 * static_cast<std::size_t>(block)];
+                    for (const Word* from : rows) {
+                        *to++ = from[left];
+                        *to++ = from[right];
+                    }
+                }
+            }
+            if (z % 2 == 1 || z + 1 == size.z) texture.upload(std::as_bytes(std::span(texels)), z / 2, 1);
+            std::swap(below, above);
+            if (z + 1 >= volume.size.z) above = below;
+        }
+    };
+    if (texel == Texel::Byte) {
+        fill(std::vector<std::uint8_t>(count));
+    } else {
+        fill(std::vector<std::uint16_t>(count));
+    }
+    context.check("uploading the volume");
+    return texture;
 }
 
 std::vector<float> majorants(const BrickRanges& ranges, std::span<const float> tables, std::size_t width,

@@ -3,6 +3,7 @@
 #include "gpu/texture3d.hpp"
 #include "volume/volume.hpp"
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -34,6 +35,12 @@ struct GridTexture {
 /// 8-bit data become normalised bytes; 16-bit data half floats where all values are such, else single floats.
 /// @throws Error (BadInput) when it is larger than the device's textures, (Gpu) when memory runs out.
 GridTexture uploadGrid(const gpu::Context& context, const Volume& volume, int time, const BrickRanges& ranges);
+
+/// The same values with all eight voxels of an interpolation in one texel (values_corners.glsl); nothing for volumes of
+/// several channels, of single floats, and those for which it would take more than `limit` bytes.
+/// @throws Error (Gpu) when memory runs out.
+std::optional<gpu::Texture3D> uploadCorners(const gpu::Context& context, const Volume& volume, int time,
+                                            const BrickRanges& ranges, std::size_t limit);
 
 /// The largest opacity of each brick, for tables of opacities of each channel: channels add. Where it is 0, the number
 /// of free bricks to every side, itself included, as a negative number (Chebyshev's distance).

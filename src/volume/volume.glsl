@@ -4,14 +4,13 @@
 // A measured volume as `field` and `medium`: values interpolated between voxels, then looked up in the transfer function. Its own
 // coordinates are those of the grid: voxel (i, j, k) is the box from (i, j, k) to (i, j, k) + 1, its centre in the middle.
 //
-// The engine adds: const int volume_channels; const bool volume_manual; const float volume_brick.
+// The engine adds: const int volume_channels; const bool volume_manual; const float volume_brick; and how values are read.
 
 uniform float density;    //! 100 [0, 1e6] log | Extinction where the transfer function's opacity is 1, per longest side of the volume
 uniform float anisotropy; //! 0 [-0.99, 0.99] | Mean cosine of scattering: below 0 back, 0 to all sides, above 0 forwards (Henyey & Greenstein)
 uniform float emission;   //! 0 [0, 1000] log | Radiance that a thick layer gives off by itself, in its colour
 uniform float surfaces;   //! 0 [0, 100] log | How soon borders scatter as surfaces do instead of as haze (by their gradient); 0: never
 
-uniform sampler3D volume_data;     // stored values, up to 4 channels
 uniform sampler3D volume_bricks;   // largest opacity in each brick; -n: nothing in the n bricks around it, itself included
 uniform sampler2D volume_transfer; // colour and opacity: value along x, one block of rows for each channel
 uniform mat3 volume_to_grid;       // from world to grid
@@ -28,21 +27,8 @@ uniform float volume_spacing;      // least distance of neighbouring voxels [wor
 
 vec3 volume_place(vec3 position) { return volume_to_grid * position + volume_camera; }
 
-vec4 volume_texel(ivec3 at) { return texelFetch(volume_data, clamp(at, ivec3(0), ivec3(volume_size) - 1), 0); }
-
-// Stored values between voxels.
-vec4 volume_stored(vec3 place) {
-    if (!volume_manual) return textureLod(volume_data, place / volume_size, 0.0);
-    vec3 p = place - 0.5;
-    vec3 cell = floor(p);
-    vec3 f = p - cell;
-    ivec3 c = ivec3(cell);
-    vec4 low = mix(mix(volume_texel(c), volume_texel(c + ivec3(1, 0, 0)), f.x),
-                   mix(volume_texel(c + ivec3(0, 1, 0)), volume_texel(c + ivec3(1, 1, 0)), f.x), f.y);
-    vec4 high = mix(mix(volume_texel(c + ivec3(0, 0, 1)), volume_texel(c + ivec3(1, 0, 1)), f.x),
-                    mix(volume_texel(c + ivec3(0, 1, 1)), volume_texel(c + ivec3(1, 1, 1)), f.x), f.y);
-    return mix(low, high, f.z);
-}
+// Stored values between voxels: in values_sampled.glsl or values_corners.glsl.
+vec4 volume_stored(vec3 place);
 
 // Places in the transfer function, 0..1.
 vec4 volume_values(vec3 place) { return volume_stored(place) * volume_scale + volume_offset; }
@@ -177,18 +163,14 @@ void medium_segment(MediumRay path, float t, out float t_end, out float majorant
     majorant = max(most, 0.0) * (density * volume_unit);
 }
 
-float medium_extinction(vec3 place) {
-    vec4 values = volume_values(place);
-    float sum = 0.0;
-    for (int i = 0; i < volume_channels; ++i) {
-        sum += volume_lookup(i, values[i], volume_steepness(place, i)).a;
-    }
-    return sum * (density * volume_unit);
+vec4 medium_look(vec3 place) {
+    vec4 seen = volume_appearance(place);
+    return vec4(seen.rgb, seen.a * (density * volume_unit));
 }
 
-Medium medium_at(vec3 place) {
-    vec4 seen = volume_appearance(place);
-    Medium m = Medium(seen.a * (density * volume_unit), seen.rgb, volume_emission(place, seen), vec3(0.0), 0.0);
+Medium medium_at(vec3 place, vec4 look) {
+    vec4 seen = vec4(look.rgb, look.a / max(density * volume_unit, 1e-30));
+    Medium m = Medium(look.a, look.rgb, volume_emission(place, seen), vec3(0.0), 0.0);
     for (int i = 0; i < int(surfaces > 0.0); ++i) {
         vec3 gradient = volume_world_gradient(place);
         float slope = length(gradient);

@@ -23,6 +23,11 @@ namespace {
 constexpr const char* kFile = "volume/volume.glsl";
 constexpr const char* kClipFile = "volume/volume_clip.glsl";
 constexpr const char* kSurfaceFile = "volume/volume_surface.glsl";
+constexpr const char* kSampledFile = "volume/values_sampled.glsl";
+constexpr const char* kCornersFile = "volume/values_corners.glsl";
+
+/// Copies for faster interpolation do not take more than this [bytes]: a volume of 320³ bytes has one.
+constexpr std::size_t kMostForCorners = std::size_t{288} << 20;
 
 /// What decides which voxels are shown, and how they are kept.
 struct Choice {
@@ -83,6 +88,7 @@ struct Grid {
     Modality modality = Modality::Unknown;
     Json automatic; ///< the transfer function that "auto" stands for
     GridTexture texture;
+    std::optional<gpu::Texture3D> corners; ///< on devices that are software
     BrickRanges ranges;
     glm::dmat3 toGrid{1.0}; ///< world -> grid, whose voxel (0, 0, 0) is the box from 0 to 1
     glm::dvec3 origin{0.0}; ///< grid coordinates of the world's origin
@@ -169,6 +175,8 @@ std::shared_ptr<Grid> makeGrid(const gpu::Context& context, const Choice& choice
     place(*grid);
     grid->ranges = brickRanges(volume, choice.time, choice.brick);
     grid->texture = uploadGrid(context, volume, choice.time, grid->ranges);
+    if (context.capabilities().software)
+        grid->corners = uploadCorners(context, volume, choice.time, grid->ranges, kMostForCorners);
     return grid;
 }
 
@@ -294,12 +302,21 @@ class VolumeSubject : public render::Subject {
             source.addModule(*file, "subject_", scene.subject, "subject", options.specialise,
                              gpu::ShaderSource::Rename::Parameters);
         }
+        if (cornersUsed(scene)) {
+            const bool halves = grid_->corners->format() == gpu::GridFormat::RGBA32UI;
+            source.addText("the volume's words", fmt::format("const bool volume_halves = {};\n", halves));
+        }
+        source.addFile(cornersUsed(scene) ? kCornersFile : kSampledFile);
     }
 
     void bind(gpu::Kernel& kernel, const scene::Scene& scene) const override {
         const Grid& grid = *grid_;
         kernel.setParameters("subject", scene.subject);
-        kernel.set("volume_data", grid.texture.texture);
+        if (cornersUsed(scene)) {
+            kernel.set("volume_corners", *grid.corners);
+        } else {
+            kernel.set("volume_data", grid.texture.texture);
+        }
         kernel.set("volume_bricks", transfer_.bricks);
         kernel.set("volume_transfer", transfer_.table);
         kernel.set("volume_rows", transfer_.rows);
@@ -330,6 +347,9 @@ class VolumeSubject : public render::Subject {
     }
 
   private:
+    bool cornersUsed(const scene::Scene& scene) const {
+        return grid_->corners.has_value() && scene.subject.choice("interpolation") == 0;
+    }
     bool filterable() const {
         const gpu::GridFormat format = grid_->texture.texture.format();
         return floatFiltering_ || gpu::bytesPerTexel(format) < 4 * gpu::channelsOf(format);

@@ -23,10 +23,11 @@ bool medium_enter(inout Ray ray, out MediumRay path);
 // From t on to `t_end`, no extinction is more than `majorant` [1/world unit]; 0: there is nothing at all.
 void medium_segment(MediumRay path, float t, out float t_end, out float majorant);
 
-float medium_extinction(vec3 place);
+// What there is at a place, in the medium's coordinates: albedo, and extinction [1/world unit].
+vec4 medium_look(vec3 place);
 
-// All of it. `place` is in the medium's coordinates.
-Medium medium_at(vec3 place);
+// All of it, for what medium_look() gave there.
+Medium medium_at(vec3 place, vec4 look);
 
 // Mean cosine of the angle by which light is scattered (Henyey & Greenstein 1941), -1..1.
 float medium_anisotropy();

@@ -7,8 +7,8 @@
 
 // Paths of light through a medium. Free flights by delta tracking (Woodcock et al. 1965) over local majorants, light by one ray for each
 // collision whose transmittance is estimated by ratio tracking (Novak, Selle & Jarosz 2014), combined with what paths meet by chance
-// (Veach & Guibas 1995). Absorption is a weight, not an end. All of it is one loop: each turn does the next event of whichever
-// ray is under way, so that neighbours never wait for each other's rays.
+// (Veach & Guibas 1995). Absorption is a weight, not an end. All of it is one loop: each turn follows whichever ray is
+// under way up to its next collision or its end, and then does that: neighbours never wait for each other's kind of ray.
 
 // How paths are made: what renderers' parameters say.
 struct MediumPaths {
@@ -93,34 +93,39 @@ void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geom
     float t = ray.t_min;
     bool alive = true;
     for (int i = 0; i < 100000 && alive; ++i) {
-        bool event = false;
         bool gone = !inside;
-        float majorant = 0.0;
-        for (int k = 0; k < 4 && !event && !gone; ++k) {
-            float border;
-            medium_segment(path, t, border, majorant);
-            border = min(border, ray.t_max);
-            float reach = t + depth / max(majorant, 1e-30);
-            event = reach < border;
-            depth -= event ? 0.0 : majorant * (border - t);
-            t = event ? reach : border;
-            gone = !event && t >= ray.t_max;
-        }
         bool collided = false;
-        if (event) {
-            float part = clamp(medium_extinction(path.origin + t * path.direction) / majorant, 0.0, 1.0);
-            depth = -log(1.0 - medium_number());
-            float u = bounce == 0 && !asking && first_flight.y >= 0.0 ? first_flight.y : medium_number();
-            first_flight.y = -1.0;
-            if (asking) {
-                left *= 1.0 - part;
-                // Little light is either brought in fewer, stronger parts or not at all.
-                if (left < 0.25) {
-                    left = u < 4.0 * left ? 0.25 : 0.0;
-                    gone = left <= 0.0;
+        vec4 look = vec4(0.0);
+        // To the next scattering or the end: rejected collisions are many, and what comes after this is long.
+        for (int m = 0; m < 64 && !collided && !gone; ++m) {
+            bool event = false;
+            float majorant = 0.0;
+            for (int k = 0; k < 4 && !event && !gone; ++k) {
+                float border;
+                medium_segment(path, t, border, majorant);
+                border = min(border, ray.t_max);
+                float reach = t + depth / max(majorant, 1e-30);
+                event = reach < border;
+                depth -= event ? 0.0 : majorant * (border - t);
+                t = event ? reach : border;
+                gone = !event && t >= ray.t_max;
+            }
+            for (int n = 0; n < int(event); ++n) {
+                look = medium_look(path.origin + t * path.direction);
+                float part = clamp(look.a / majorant, 0.0, 1.0);
+                depth = -log(1.0 - medium_number());
+                float u = bounce == 0 && !asking && first_flight.y >= 0.0 ? first_flight.y : medium_number();
+                first_flight.y = -1.0;
+                if (asking) {
+                    left *= 1.0 - part;
+                    // Little light is either brought in fewer, stronger parts or not at all.
+                    if (left < 0.25) {
+                        left = u < 4.0 * left ? 0.25 : 0.0;
+                        gone = left <= 0.0;
+                    }
+                } else {
+                    collided = u < part;
                 }
-            } else {
-                collided = u < part;
             }
         }
         // Loops of one turn instead of ifs, which processors without a GPU skip.
@@ -159,7 +164,7 @@ void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geom
         for (int n = 0; n < int(collided && alive); ++n) {
             vec3 place = path.origin + t * path.direction;
             from = ray.origin + t * ray.direction;
-            Medium m = medium_at(place);
+            Medium m = medium_at(place, look);
             if (bounce == 0) {
                 bool border = dot(m.normal, m.normal) > 0.0;
                 geometry = vec4(border ? m.normal : -ray.direction, t);
