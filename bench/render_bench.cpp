@@ -46,6 +46,29 @@ void samples(benchmark::State& state, const std::string& file, gpu::Stage stage)
     state.SetLabel(context().capabilities().renderer);
 }
 
+/// From an edit of a transfer function on 256³ voxels to the first whole picture of it, without reading it back.
+void transferEdit(benchmark::State& state, const char* renderer) {
+    scene::Scene scene(session::catalogue());
+    scene.set("subject", Json{{"type", "volume"}, {"source", "cloud"}, {"resolution", 256}});
+    scene.set("renderer", Json{{"type", renderer}});
+    scene.set("output.width", std::string_view("512"));
+    scene.set("output.height", std::string_view("512"));
+    session::Options options;
+    options.interleave = 8;
+    session::Session session(context(), scene, options);
+    while (session.samples() == 0)
+        session.step(1.0);
+    double opacity = 0.5;
+    for (auto _ : state) {
+        opacity = 1.5 - opacity;
+        session.set("subject.transfer",
+                    Json{{"points", {{{"value", 0}, {"opacity", 0}}, {{"value", 1}, {"opacity", opacity}}}}});
+        while (session.samples() == 0 && !session.step(0.005).changed) {
+        }
+        benchmark::DoNotOptimize(session.distanceAt({0, 0})); // presents
+    }
+}
+
 /// Reset, one sample, post chain and read-back: what `apeiron render --samples 1` does after compiling.
 void wholePicture(benchmark::State& state, const std::string& file) {
     const auto side = static_cast<int>(state.range(0));
@@ -82,4 +105,6 @@ APEIRON_BENCH(samples, box_fragment, "scenes/mandelbox.json", gpu::Stage::Fragme
 APEIRON_BENCH(samples, box_compute, "scenes/mandelbox.json", gpu::Stage::Compute)->Args({640, 360});
 APEIRON_BENCH(samples, menger_fragment, "scenes/menger_hall.json", gpu::Stage::Fragment)->Args({640, 360});
 APEIRON_BENCH(samples, menger_compute, "scenes/menger_hall.json", gpu::Stage::Compute)->Args({640, 360});
+APEIRON_BENCH(transferEdit, mcm_256, "mcm");
+APEIRON_BENCH(transferEdit, eam_256, "eam");
 APEIRON_BENCH(compile, bulb, "scenes/mandelbulb.json");

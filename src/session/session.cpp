@@ -48,6 +48,17 @@ bool seenAlike(parameter::Node a, const parameter::Node& b) {
     return a == b;
 }
 
+/// Whether nodes differ in what kernels may have as constants: structures (transfer functions) are textures always.
+bool differInConstants(const parameter::Node& a, const parameter::Node& b) {
+    if (a == b) return false;
+    if (&a.type() != &b.type()) return true;
+    parameter::Node rest = a;
+    for (const parameter::Parameter& parameter : a.schema()) {
+        if (parameter.type == parameter::Type::Structure) rest.set(parameter.name, b.value(parameter.name));
+    }
+    return !(rest == b);
+}
+
 /// Refuses sizes that the device or this machine's memory cannot hold, before anything is allocated.
 void requireSize(const gpu::Context& context, glm::ivec2 size, bool reproject) {
     const gpu::Capabilities& c = context.capabilities();
@@ -168,11 +179,15 @@ parameter::Invalidates Session::replace(scene::Scene scene, parameter::Invalidat
     }
     // A specialised session's kernels hold these parts' values as constants; cameras, lights and sizes are uniforms
     // always.
-    const bool constants = scene.subject != scene_.subject || scene.slots != scene_.slots ||
+    const bool constants = differInConstants(scene.subject, scene_.subject) || scene.slots != scene_.slots ||
                            scene.renderer != scene_.renderer || scene.environment != scene_.environment;
     if (what == parameter::Invalidates::Samples && build_.specialise && constants)
         what = parameter::Invalidates::Program;
     const bool sizeChanged = sizeOf(scene) != sizeOf(scene_);
+    // Until there is something of the new picture, the old one is better than none.
+    const bool anew = what == parameter::Invalidates::Samples || what == parameter::Invalidates::Program;
+    const bool hold = options_.reproject && anew && !sizeChanged && scene.camera == scene_.camera && wholePicture();
+    if (hold) present();
     std::swap(scene, scene_);
     try {
         apply(what, sizeChanged);
@@ -181,6 +196,7 @@ parameter::Invalidates Session::replace(scene::Scene scene, parameter::Invalidat
         if (scene_.subject.type().name == subjectName_) subject_->prepare(context_, scene_);
         throw;
     }
+    held_ = hold;
     return what;
 }
 
@@ -202,6 +218,8 @@ parameter::Invalidates Session::set(std::string_view path, const Json& value, co
 
 void Session::setSpecialise(bool specialise) {
     if (specialise == build_.specialise) return;
+    const bool hold = options_.reproject && wholePicture();
+    if (hold) present();
     build_.specialise = specialise;
     try {
         apply(parameter::Invalidates::Program, false);
@@ -209,6 +227,7 @@ void Session::setSpecialise(bool specialise) {
         build_.specialise = !specialise;
         throw;
     }
+    held_ = hold;
 }
 
 void Session::setCamera(const scene::Camera& camera) {
@@ -228,7 +247,7 @@ void Session::setCamera(const scene::Camera& camera) {
 
 void Session::keepPicture() {
     // As long as nothing new was computed, the older picture is the better one.
-    if (samples_ == 0 && block_ == 0 && cursor_.taken() == 0) return;
+    if (samples_ == 0 && block_ == 0 && cursor_.taken() == 0 && !held_) return;
     present();
     std::swap(picture_, before_);
     cameraBefore_ = camera();
@@ -267,6 +286,7 @@ void Session::restart(bool keep) {
     seconds_ = 0.0;
     noiseCheck_ = 8;
     noiseSeen_ = std::numeric_limits<double>::infinity();
+    held_ = false;
     stale_ = true;
 }
 
@@ -407,6 +427,11 @@ double Session::noise() {
 
 void Session::present() {
     if (!stale_) return;
+    if (held_ && samples_ == 0 && block_ == 0) {
+        stale_ = false;
+        return;
+    }
+    held_ = false;
     render::Progress progress;
     if (samples_ == 0 || single_) {
         progress.blocks = block_;

@@ -67,6 +67,7 @@ class Session {
     void setScene(scene::Scene scene);
 
     /// Edits one value by path (see scene::Scene::set). Compiles at once where needed; nothing changes when it throws.
+    /// The picture so far is shown until there is the first sub-image of the new one (see Options::interleave).
     parameter::Invalidates set(std::string_view path, std::string_view text, const std::filesystem::path& base = {});
     parameter::Invalidates set(std::string_view path, const Json& value, const std::filesystem::path& base = {});
 
@@ -159,6 +160,8 @@ class Session {
     void present();
     /// Forgets all samples. @param keep the old picture fills the new one
     void restart(bool keep);
+    /// Whether every pixel has something to show.
+    bool wholePicture() const { return held_ || samples_ > 0 || block_ > 0 || cameraBefore_.has_value(); }
     /// Keeps the present picture for after a move of the camera.
     void keepPicture();
     /// Folds the complete sample into the accumulators, and begins the next.
@@ -203,6 +206,7 @@ class Session {
     std::int64_t noiseCheck_ = 8;                                ///< the sample count at which noise is looked at next
     double noiseSeen_ = std::numeric_limits<double>::infinity(); ///< when it was looked at last
     bool moved_ = false; ///< the picture can show another view already, although nothing new was computed
+    bool held_ = false;  ///< picture_ shows the scene of before an edit, as there is nothing of the new one yet
     bool stale_ = true;  ///< picture_ does not show the present state
     Statistics statistics_;
 };

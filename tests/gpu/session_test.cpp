@@ -280,6 +280,44 @@ TEST(Session, interleaving_shows_a_whole_coarse_picture_first) {
     EXPECT_TRUE(identical(session.picture(), rendered(scene)->picture()));
 }
 
+TEST(Session, an_edit_shows_the_old_picture_until_there_is_a_coarse_one_of_the_new) {
+    scene::Scene scene = litSphere();
+    setAll(scene, {{"environment.type", "constant"}, {"environment.color", "1,1,1"}, {"output.samples", "2"}});
+    for (const bool specialise : {true, false}) {
+        // One pixel in each step.
+        Session session(context(), scene, {.stage = {}, .specialise = specialise, .tilePixels = 1, .interleave = 8});
+        finish(session);
+        Image<float> old = session.layers().radiance;
+        const auto editAndLook = [&](const char* path, const char* value) {
+            session.set(path, std::string_view(value));
+            EXPECT_EQ(session.samples(), 0);
+            EXPECT_TRUE(identical(session.layers().radiance, old)) << path << ": the old picture is gone";
+            bool changed = false;
+            for (int i = 0; i < 10000 && !changed; ++i) {
+                changed = session.step(0.0).changed;
+                const Image<float> now = session.layers().radiance;
+                if (!changed) ASSERT_TRUE(identical(now, old)) << path << ", step " << i;
+            }
+            EXPECT_LE(session.progress(), 2.0 / 64.0) << path;
+            const Image<float> now = session.layers().radiance;
+            EXPECT_GT(largestDifference(now, old), 0.05) << path << ": the new picture is the old one";
+            // In a white world, something is seen everywhere.
+            for (std::size_t i = 0; i < now.data().size(); i += 4)
+                ASSERT_GT(now.data()[i], 0.0F) << path << ", pixel " << i / 4;
+            old = now;
+        };
+        editAndLook("lights.0.intensity", "9");
+        // What is edited twice before anything is computed still shows the last whole picture.
+        session.set("lights.0.intensity", std::string_view("1"));
+        editAndLook("environment.color", "0.4,0.5,0.6");
+        finish(session);
+        setAll(scene, {{"lights.0.intensity", "1"}, {"environment.color", "0.4,0.5,0.6"}});
+        EXPECT_TRUE(identical(session.layers().radiance, rendered(scene)->layers().radiance))
+            << "something of the old is left";
+        setAll(scene, {{"lights.0.intensity", "2"}, {"environment.color", "1,1,1"}});
+    }
+}
+
 TEST(Session, before_the_first_sample_there_is_nothing_to_see) {
     Session session(context(), litSphere());
     const Image<float> picture = session.picture();
