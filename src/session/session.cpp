@@ -166,7 +166,8 @@ void Session::apply(parameter::Invalidates what, bool sizeChanged) {
         reset();
     }
     const Phases::Scope scope(statistics_.phases, "compile");
-    if (fresh) renderer_->warmUp(*picture_);
+    // (Into the picture that nobody needs: the other one may be shown for a while.)
+    if (fresh) renderer_->warmUp(before_ ? *before_ : *picture_);
     chain_->warmUp(scene_, *picture_, displayTargets_);
     context_.finish();
 }

@@ -296,7 +296,9 @@ TEST(Session, an_edit_shows_the_old_picture_until_there_is_a_coarse_one_of_the_n
             for (int i = 0; i < 10000 && !changed; ++i) {
                 changed = session.step(0.0).changed;
                 const Image<float> now = session.layers().radiance;
-                if (!changed) ASSERT_TRUE(identical(now, old)) << path << ", step " << i;
+                if (!changed) {
+                    ASSERT_TRUE(identical(now, old)) << path << ", step " << i;
+                }
             }
             EXPECT_LE(session.progress(), 2.0 / 64.0) << path;
             const Image<float> now = session.layers().radiance;
