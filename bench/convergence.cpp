@@ -87,6 +87,11 @@ volume::Volume reduced(const volume::Volume& from, int size) {
     for (int i = 0; i < 3; ++i)
         to.indexToWorld[i] = from.indexToWorld[i] * static_cast<double>(factor);
     std::vector<float> means(volume::voxelsPerChannel(to), 0.0F);
+    const auto index = [&](glm::ivec3 p) {
+        const glm::u64vec3 q(p);
+        const glm::u64vec3 size64(to.size);
+        return static_cast<std::size_t>((q.z * size64.y + q.y) * size64.x + q.x);
+    };
     volume::visitVoxels(from, 0, [&](const auto* voxels) {
         std::size_t i = 0;
         for (int z = 0; z < from.size.z; ++z) {
@@ -94,8 +99,7 @@ volume::Volume reduced(const volume::Volume& from, int size) {
                 for (int x = 0; x < from.size.x; ++x, ++i) {
                     const glm::ivec3 p = glm::ivec3(x, y, z) / factor;
                     if (glm::any(glm::greaterThanEqual(p, to.size))) continue;
-                    means[static_cast<std::size_t>((p.z * to.size.y + p.y) * to.size.x + p.x)] +=
-                        volume::number(voxels[i]) / static_cast<float>(factor * factor * factor);
+                    means[index(p)] += volume::number(voxels[i]) / static_cast<float>(factor * factor * factor);
                 }
             }
         }
