@@ -47,3 +47,9 @@ vec3 fold_axis3(int order) {
     vec3 m = fold_mirror(order);
     return normalize(vec3(0.0, m.z, -m.y));
 }
+
+// The unit vector at that angle from `from` [rad], along the great circle to `to`.
+vec3 fold_towards(vec3 from, vec3 to, float angle) {
+    vec3 across = normalize(to - dot(to, from) * from);
+    return cos(angle) * from + sin(angle) * across;
+}

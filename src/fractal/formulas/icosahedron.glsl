@@ -10,13 +10,7 @@ uniform vec3 rotation_after; //! (0, 0, 0) [-180, 180] unit deg step 1 | Rotatio
 uniform int iterations; //! 6 [1, 20] | Iterations of the map
 uniform float bailout; //! 100 [10, 10000] log | Escape radius
 
-vec3 corner() {
-    // Along the great circle through the corner and the face's middle.
-    vec3 from = fold_axis(5);
-    vec3 to = fold_axis3(5);
-    vec3 across = normalize(to - dot(to, from) * from);
-    return cos(radians(bend)) * from + sin(radians(bend)) * across;
-}
+vec3 corner() { return fold_towards(fold_axis(5), fold_axis3(5), radians(bend)); }
 
 void iterate(inout Orbit orbit) {
     vec3 z = orbit.z;
