@@ -104,7 +104,7 @@ expect 2 'terrain --help' terrain height
 expect 2 "did you mean 'mandelbulb'" render mandelbul -o a.png
 expect 2 'none.json: there is no such file' render none.json -o a.png
 mkdir empty
-expect 2 'holds no pictures' render ./empty -o a.png
+expect 2 'is a folder without DICOM or TIFF files' render ./empty -o a.png
 printf '{\n  "camera": {\n    "fov": 40,,\n  }\n}\n' >broken.json
 expect 2 'broken.json:3:' render broken.json -o a.png
 printf '{\n  "camera": {\n    "fof": 40\n  }\n}\n' >key.json
