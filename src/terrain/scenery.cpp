@@ -38,7 +38,7 @@ constexpr double kWider = 1.02;
 constexpr std::int64_t kMostMade = 24;
 
 /// How far ahead tiles are made before they are needed: where the ground is half as far, an octave deeper.
-constexpr double kAhead = 0.5;
+constexpr double kPrefetchReach = 0.5;
 
 /// Of the autopilot: flown in one go, of the distance to the ground.
 constexpr double kMostFlown = 0.35;
@@ -392,7 +392,8 @@ void Scenery::prefetch(const Place& place, std::int64_t most, gpu::KernelCache& 
     const std::optional<glm::dvec3> moved = offsetTo(*chosen_, place);
     const double length = moved ? glm::length(*moved) : 0.0;
     if (length <= 0.0) return;
-    const glm::dvec3 way = *moved * glm::dvec3(1.0, 1.0, view_.relief) * (kAhead * selection_.lastClearance() / length);
+    const glm::dvec3 way =
+        *moved * glm::dvec3(1.0, 1.0, view_.relief) * (kPrefetchReach * selection_.lastClearance() / length);
     for (const Tile& tile : selection_.prefetch(place, view_, way, static_cast<std::size_t>(cache_->capacity()))) {
         if (cache_->has(tile)) continue;
         if (most-- <= 0 || cache_->place(tile, maker_, kernels, stage).x < 0) break;

@@ -17,7 +17,7 @@ constexpr const char* kExample =
     "write it as 128x128x64:uint16, followed by :big, :offset=512, :channels=2, :times=10, "
     ":spacing=0.5x0.5x1.2 as needed";
 
-[[noreturn]] void fail(const std::string& what) {
+[[noreturn]] void refuse(const std::string& what) {
     throw Error(ErrorKind::BadInput, what, "raw form", kExample);
 }
 
@@ -35,9 +35,9 @@ std::vector<std::string> split(std::string_view text, char separator) {
 
 std::uint64_t wholeNumber(const std::string& text, std::uint64_t most) {
     if (text.empty() || text.size() > 15 || text.find_first_not_of("0123456789") != std::string::npos)
-        fail(inQuotes(text) + " is not a whole number");
+        refuse(inQuotes(text) + " is not a whole number");
     const std::uint64_t value = std::strtoull(text.c_str(), nullptr, 10);
-    if (value > most) fail(fmt::format("{} is too large", text));
+    if (value > most) refuse(fmt::format("{} is too large", text));
     return value;
 }
 
@@ -45,7 +45,7 @@ double length(const std::string& text) {
     char* end = nullptr;
     const double value = std::strtod(text.c_str(), &end);
     if (text.empty() || *end != '\0' || !std::isfinite(value) || value <= 0)
-        fail(inQuotes(text) + " is not a length above 0");
+        refuse(inQuotes(text) + " is not a length above 0");
     return value;
 }
 
@@ -78,11 +78,11 @@ void readOption(const std::string& part, RawForm& form) {
         form.timePoints = static_cast<int>(wholeNumber(value, 1'000'000));
     } else if (name == "spacing") {
         const std::vector<std::string> lengths = split(value, 'x');
-        if (lengths.size() != 3) fail(inQuotes(value) + " is not three lengths");
+        if (lengths.size() != 3) refuse(inQuotes(value) + " is not three lengths");
         for (int axis = 0; axis < 3; ++axis)
             form.spacing[axis] = length(lengths[static_cast<std::size_t>(axis)]);
     } else {
-        fail(inQuotes(part) + " means nothing here");
+        refuse(inQuotes(part) + " means nothing here");
     }
 }
 
@@ -91,13 +91,13 @@ void readOption(const std::string& part, RawForm& form) {
 RawForm parseRawForm(std::string_view text) {
     const std::vector<std::string> parts = split(text, ':');
     const std::vector<std::string> edges = split(parts.front(), 'x');
-    if (edges.size() != 3) fail(inQuotes(parts.front()) + " is not three sizes");
+    if (edges.size() != 3) refuse(inQuotes(parts.front()) + " is not three sizes");
     RawForm form;
     for (int axis = 0; axis < 3; ++axis)
         form.size[axis] = static_cast<int>(wholeNumber(edges[static_cast<std::size_t>(axis)], kMaxEdge));
-    if (parts.size() < 2) fail("the type of the voxels is missing");
+    if (parts.size() < 2) refuse("the type of the voxels is missing");
     const std::optional<VoxelType> type = typeOf(parts[1]);
-    if (!type) fail(inQuotes(parts[1]) + " is none of uint8, int8, uint16, int16, float16, float32");
+    if (!type) refuse(inQuotes(parts[1]) + " is none of uint8, int8, uint16, int16, float16, float32");
     form.type = *type;
     for (std::size_t i = 2; i < parts.size(); ++i)
         readOption(parts[i], form);
