@@ -116,9 +116,10 @@ float surface_visibility(Hit hit, vec3 normal, vec3 direction, float t_max, floa
     vec3 p = surface_leave(hit, normal);
     float spacing = terrain_clip_spacing(terrain_clip_level(p.xy, hit.footprint));
     float width = max(spread, 0.004);
-    // Steps of other lengths in each pixel and sample: what they miss would else be seen as ripples.
-    uvec2 bits = floatBitsToUint(hit.position.xy);
-    float stride = 0.85 + 0.3 * random_unit(random_hash(bits.x ^ random_hash(bits.y ^ random_hash(random_sample))));
+    // Steps of other lengths in each pixel and sample: what they miss would else be seen as ripples. By the footprint's
+    // place rather than its bits, so that devices that round differently take the same steps.
+    ivec2 place = ivec2(floor(hit.position.xy / hit.footprint));
+    float stride = 0.85 + 0.3 * random_unit(random_hash(uint(place.x) ^ random_hash(uint(place.y) ^ random_hash(random_sample))));
     float t = stride * spacing;
     float open = 1.0;
     float growth = terrain_growth(spacing);
