@@ -7,6 +7,7 @@
 // Times are of rendering alone (generate + integrate): start, loading and compilation do not count. PSNR is that of
 // display values (sRGB, linear tone mapper, not rounded), as one sees them.
 
+#include "bench_support.hpp"
 #include "core/file.hpp"
 #include "io/image_file.hpp"
 #include "io/volume_file.hpp"
@@ -24,6 +25,7 @@
 namespace {
 
 using namespace apeiron;
+using bench::psnr;
 
 constexpr const char* kScene = R"({
     "apeiron": 1,
@@ -61,17 +63,6 @@ struct Look {
     double psnr = 0.0; ///< [dB]
     Image<float> picture{1, 1, 4};
 };
-
-/// Of two display-encoded pictures [dB].
-double psnr(const Image<float>& a, const Image<float>& b) {
-    double squares = 0.0;
-    for (std::size_t i = 0; i < a.data().size(); ++i) {
-        if (i % 4 == 3) continue;
-        const double d = static_cast<double>(a.data()[i]) - static_cast<double>(b.data()[i]);
-        squares += d * d;
-    }
-    return -10.0 * std::log10(squares / (0.75 * static_cast<double>(a.data().size())));
-}
 
 /// The first channel with `size` voxels along its longest side, each the mean of the box of voxels that it stands for.
 volume::Volume reduced(const volume::Volume& from, int size) {
@@ -264,11 +255,5 @@ int main(int argc, char** argv) {
     app.add_option("--csv", settings.csv, "All looks, for bench/plot_convergence.py");
     app.add_option("--dump", settings.dump, "Folder for the pictures");
     CLI11_PARSE(app, argc, argv);
-    try {
-        run(settings);
-    } catch (const std::exception& error) {
-        fmt::print(stderr, "apeiron_convergence: {}\n", error.what());
-        return 1;
-    }
-    return 0;
+    return bench::runAs("apeiron_convergence", [&] { run(settings); });
 }

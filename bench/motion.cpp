@@ -3,6 +3,7 @@
 //
 //     apeiron_motion [SCENE.json] [--width W] [--height H] [--frames N] [--budget MS] [--dump FOLDER]
 
+#include "bench_support.hpp"
 #include "core/file.hpp"
 #include "core/stopwatch.hpp"
 #include "io/image_file.hpp"
@@ -17,6 +18,8 @@
 namespace {
 
 using namespace apeiron;
+using bench::percentile;
+using bench::psnr;
 
 struct Settings {
     std::string scene = APEIRON_SOURCE_DIR "/bench/motion.json";
@@ -29,26 +32,10 @@ struct Settings {
     std::string dump;
 };
 
-/// Of a sorted list.
-double percentile(const std::vector<double>& sorted, double part) {
-    return sorted[static_cast<std::size_t>(part * static_cast<double>(sorted.size() - 1))];
-}
-
 void printTimes(const char* what, std::vector<double> milliseconds) {
     std::sort(milliseconds.begin(), milliseconds.end());
     fmt::print("| {} | {:.1f} | {:.1f} | {:.1f} |\n", what, percentile(milliseconds, 0.5),
                percentile(milliseconds, 0.99), milliseconds.back());
-}
-
-/// Peak signal-to-noise ratio of two display-encoded pictures [dB].
-double psnr(const Image<float>& a, const Image<float>& b) {
-    double squares = 0.0;
-    for (std::size_t i = 0; i < a.data().size(); ++i) {
-        if (i % 4 == 3) continue;
-        const double d = static_cast<double>(a.data()[i]) - static_cast<double>(b.data()[i]);
-        squares += d * d;
-    }
-    return -10.0 * std::log10(squares / (0.75 * static_cast<double>(a.data().size())));
 }
 
 void run(const Settings& settings) {
@@ -137,11 +124,5 @@ int main(int argc, char** argv) {
     app.add_flag("!--no-reproject", settings.reproject);
     app.add_option("--dump", settings.dump, "Folder for the frames");
     CLI11_PARSE(app, argc, argv);
-    try {
-        run(settings);
-    } catch (const std::exception& error) {
-        fmt::print(stderr, "apeiron_motion: {}\n", error.what());
-        return 1;
-    }
-    return 0;
+    return bench::runAs("apeiron_motion", [&] { run(settings); });
 }

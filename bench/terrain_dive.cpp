@@ -5,6 +5,7 @@
 //
 // All steps of the flight are made. Frames are drawn in stretches of consecutive steps, spread evenly over the way.
 
+#include "bench_support.hpp"
 #include "core/file.hpp"
 #include "core/stopwatch.hpp"
 #include "io/image_file.hpp"
@@ -23,6 +24,7 @@
 namespace {
 
 using namespace apeiron;
+using bench::percentile;
 
 struct Settings {
     std::string scene = APEIRON_SOURCE_DIR "/scenes/terrain_range.json";
@@ -52,11 +54,6 @@ double residentMemory() {
     std::size_t resident = 0;
     file >> total >> resident;
     return static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE));
-}
-
-/// Of a sorted list.
-double percentile(const std::vector<double>& sorted, double part) {
-    return sorted[static_cast<std::size_t>(part * static_cast<double>(sorted.size() - 1))];
 }
 
 void printRow(const char* what, std::vector<double> values) {
@@ -261,11 +258,5 @@ int main(int argc, char** argv) {
     app.add_option("--speed", settings.speed, "Distances to the ground per second");
     app.add_option("--dump", settings.dump, "Folder for every fourth frame");
     CLI11_PARSE(app, argc, argv);
-    try {
-        run(settings);
-    } catch (const std::exception& error) {
-        fmt::print(stderr, "apeiron_dive: {}\n", error.what());
-        return 1;
-    }
-    return 0;
+    return bench::runAs("apeiron_dive", [&] { run(settings); });
 }
