@@ -133,13 +133,6 @@ void Texture::upload(glm::ivec2 origin, glm::ivec2 size, std::span<const std::in
     glTexSubImage2D(GL_TEXTURE_2D, 0, origin.x, origin.y, size.x, size.y, f.format, f.type, texels.data());
 }
 
-void Texture::filterLinearly() {
-    assert(format_ == PixelFormat::RGBA16F || format_ == PixelFormat::RGBA8);
-    glBindTexture(GL_TEXTURE_2D, name_);
-    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-        glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
-}
-
 std::vector<std::int32_t> Texture::downloadIntegers(glm::ivec2 origin, glm::ivec2 size) const {
     assert(format_ == PixelFormat::R32I || format_ == PixelFormat::RG32I);
     std::vector<std::int32_t> texels(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * 4);

@@ -40,9 +40,6 @@ class Texture {
     void upload(glm::ivec2 origin, glm::ivec2 size, std::span<const float> texels);
     void upload(glm::ivec2 origin, glm::ivec2 size, std::span<const std::int32_t> texels);
 
-    /// textureLod() interpolates from now on. @pre a format of at most 16 bits a channel: ES 3.0 filters no others
-    void filterLinearly();
-
     /// Reads a float or RGBA8 texture back as RGBA floats (RGBA8 as 0..1); texel row 0 becomes image row 0.
     Image<float> download() const;
     /// As download(), of `rows` rows from `first` on. @pre inside
