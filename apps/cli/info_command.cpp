@@ -129,9 +129,11 @@ bool isGalleryScene(const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-int info(const std::string& argument, const VolumeForm& form, bool json) {
+int info(const std::string& argument, const VolumeForm& form, const VolumeQuestions& questions, bool json) {
     if (!form.raw.empty() || (!isGalleryScene(argument) && io::isVolume(argument)))
-        return volumeInfo(argument, form, json);
+        return volumeInfo(argument, form, questions, json);
+    if (!questions.at.empty() || questions.histogram)
+        throw Error(ErrorKind::BadInput, "--at and --histogram ask about a volume's file, and this is none", argument);
     const scene::Scene scene = loadScene(argument);
     const Json image = io::detectImageFormat(argument) ? imageJson(argument) : Json(nullptr);
     if (json) {
@@ -164,6 +166,7 @@ void addInfoCommand(CLI::App& app, Action& action) {
     struct Options {
         std::string scene;
         VolumeForm form;
+        VolumeQuestions questions;
         bool json = false;
     };
     const auto options = std::make_shared<Options>();
@@ -171,15 +174,19 @@ void addInfoCommand(CLI::App& app, Action& action) {
     command->footer("Examples:\n"
                     "  apeiron info out/mandelbulb.png\n"
                     "  apeiron info head.nrrd\n"
+                    "  apeiron info head.nrrd --at 12.5,-40,31\n"
+                    "  apeiron info head.nrrd --histogram\n"
                     "  apeiron info folder-of-dicom-files\n"
                     "  apeiron info head.raw --raw 256x256x128:uint16:big");
     command->add_option("SCENE", options->scene, std::string(kSceneHelp) + ", or a volume's file or folder")
         ->required()
         ->type_name("");
     options->form.addTo(*command);
+    options->questions.addTo(*command);
     command->add_flag("--json", options->json, "Print JSON: the complete scene, and the image's figures");
-    command->callback(
-        [options, &action] { action = [options] { return info(options->scene, options->form, options->json); }; });
+    command->callback([options, &action] {
+        action = [options] { return info(options->scene, options->form, options->questions, options->json); };
+    });
 }
 
 void addCheckCommand(CLI::App& app, Action& action) {

@@ -3,6 +3,7 @@
 #include "commands.hpp"
 
 #include <string>
+#include <vector>
 
 namespace apeiron::cli {
 
@@ -14,7 +15,15 @@ struct VolumeForm {
     void addTo(CLI::App& command);
 };
 
+/// What is asked of a volume beyond its description.
+struct VolumeQuestions {
+    std::vector<double> at; ///< a place of its world [mm], x y z: the values there
+    bool histogram = false;
+
+    void addTo(CLI::App& command);
+};
+
 /// Prints what is in a volume. @returns an exit code. @throws Error
-int volumeInfo(const std::string& file, const VolumeForm& form, bool json);
+int volumeInfo(const std::string& file, const VolumeForm& form, const VolumeQuestions& questions, bool json);
 
 } // namespace apeiron::cli

@@ -246,18 +246,8 @@ class Engine {
     /// From the camera to what is seen at a pixel [world units]; null where that is background.
     val pointAt(int x, int y) {
         return guarded([&] {
-            const std::optional<double> distance = session().distanceAt({x, y});
-            if (!distance) return val::null();
-            const scene::Camera camera = session().camera();
-            const glm::dvec2 size(session().size());
-            const double extent = 2.0 * std::tan(0.5 * camera.fov()) / size.y;
-            const double right = (x + 0.5 - 0.5 * size.x) * extent;
-            const double up = (0.5 * size.y - y - 0.5) * extent;
-            if (camera.node().text("projection") == "orthographic") {
-                const double scale = camera.distance();
-                return toJs(camera.orientation() * glm::dvec3(right * scale, up * scale, -*distance));
-            }
-            return toJs(*distance * (camera.orientation() * glm::normalize(glm::dvec3(right, up, -1.0))));
+            const std::optional<glm::dvec3> point = session().pointAt({x, y});
+            return point ? toJs(*point) : val::null();
         });
     }
 

@@ -6,6 +6,8 @@
 #include "render/governor.hpp"
 #include "render/renderer.hpp"
 #include "scene/camera.hpp"
+#include "volume/histogram.hpp"
+#include "volume/volume_subject.hpp"
 
 #include <functional>
 #include <limits>
@@ -126,6 +128,21 @@ class Session {
 
     /// Distance along the camera ray to what is seen at a pixel [world units]; nothing where it is background.
     std::optional<double> distanceAt(glm::ivec2 pixel);
+
+    /// From the camera to what is seen at a pixel [world units]; nothing where it is background.
+    std::optional<glm::dvec3> pointAt(glm::ivec2 pixel);
+
+    /// The volume that is shown, and how; nothing where the subject is none.
+    std::optional<volume::Shown> volume() const { return volume::shown(*subject_, scene_); }
+
+    /// What the volume holds where a pixel shows it; nothing where it is background, or the subject is no volume.
+    std::optional<volume::Reading> valueAt(glm::ivec2 pixel);
+
+    /// How many voxels of a channel have which values, over volume::histogramAxis(), in `values` classes; and which
+    /// gradient magnitudes, up to DataRange::gradientHigh, in `gradients` classes where these are more than 1. Nothing
+    /// where the subject is no volume. @throws Error (BadInput) for channels that are not there, and classes that are
+    /// not 1 to 4096 (values), 1 to 1024 (gradients)
+    std::optional<volume::Histogram> histogram(int channel, int values, int gradients = 1) const;
 
     /// Moves the camera's plane of focus to what is seen at a pixel; false, and nothing changes, where that is
     /// background. Samples start anew only where the lens has an aperture.

@@ -104,6 +104,12 @@ Histogram jointHistogram(const Volume& volume, double low, double high, double g
     return histogram;
 }
 
+std::pair<double, double> histogramAxis(const DataRange& range) {
+    // As much again as the window to its sides, at most.
+    const double reach = range.high - range.low;
+    return {std::max(range.minimum, range.low - reach), std::min(range.maximum, range.high + reach)};
+}
+
 double quantile(const Histogram& histogram, double part) {
     std::vector<std::int64_t> columns(static_cast<std::size_t>(histogram.values));
     for (std::size_t i = 0; i < histogram.counts.size(); ++i)

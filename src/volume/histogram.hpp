@@ -1,9 +1,11 @@
 #pragma once
 
 #include "core/json.hpp"
+#include "volume/transfer_function.hpp"
 #include "volume/volume.hpp"
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace apeiron::volume {
@@ -40,6 +42,10 @@ Histogram gradientHistogram(const Volume& volume, int classes, int channel = 0, 
 /// @pre low < high, gradientHigh > 0
 Histogram jointHistogram(const Volume& volume, double low, double high, double gradientHigh, int values, int gradients,
                          int channel = 0, int time = 0);
+
+/// The values over which a channel is shown to people: all of them, unless few far away (metal in a CT, a hot pixel)
+/// would press everything else together.
+std::pair<double, double> histogramAxis(const DataRange& range);
 
 /// The value below which a part (0 to 1) of a histogram's voxels lies, linear inside a class.
 double quantile(const Histogram& histogram, double part);

@@ -108,6 +108,9 @@ void checkTransfer(const Json& json);
 /// rest. @param automatic what "auto" stands for (see automaticTransfer()) @throws Error (BadInput) as checkTransfer().
 std::vector<TransferFunction> transferFunctions(const Json& json, const Json& automatic);
 
+/// A function as checkTransfer() takes it, with all that it says written out.
+Json toJson(const TransferFunction& function);
+
 /// The function with its points and shapes in value units. @param range of the channel that it is for
 TransferFunction inValueUnits(const TransferFunction& function, const DataRange& range);
 

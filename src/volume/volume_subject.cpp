@@ -6,6 +6,7 @@
 #include "volume/defaults.hpp"
 #include "volume/generators.hpp"
 #include "volume/grid.hpp"
+#include "volume/histogram.hpp"
 #include "volume/source.hpp"
 #include "volume/statistics.hpp"
 
@@ -97,9 +98,13 @@ struct Grid {
     bool turned = false;    ///< upright: half a turn about the world's y
 };
 
+glm::dmat4 indexToScene(const Grid& grid) {
+    const glm::dmat4& toWorld = grid.volume->indexToWorld;
+    return grid.turned ? glm::dmat4(glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, -1)) * toWorld : toWorld;
+}
+
 void place(Grid& grid) {
-    glm::dmat4 toWorld = grid.volume->indexToWorld;
-    if (grid.turned) toWorld = glm::dmat4(glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, -1)) * toWorld;
+    const glm::dmat4 toWorld = indexToScene(grid);
     const glm::dmat3 axes(toWorld);
     if (!(std::abs(glm::determinant(axes)) > 0.0))
         throw Error(ErrorKind::BadInput, "the voxels have no size: the axes of the grid lie in a plane",
@@ -282,6 +287,18 @@ class VolumeSubject : public render::Subject {
 
     std::optional<render::Bounds> bounds() const override { return transfer_.bounds; }
 
+    Shown shown(const scene::Scene& scene) const {
+        Shown shown{
+            grid_->volume,       grid_->choice.time,
+            grid_->data,         {},
+            grid_->modality,     scene.subject.choice("interpolation") == 0 ? Between::Linear : Between::Nearest,
+            indexToScene(*grid_)};
+        const std::vector<TransferFunction> functions = transferFunctions(transfer_.json, grid_->automatic);
+        for (std::size_t i = 0; i < shown.ranges.size(); ++i)
+            shown.transfer.push_back(inValueUnits(functions[std::min(i, functions.size() - 1)], shown.ranges[i]));
+        return shown;
+    }
+
     std::vector<std::string> notes(const scene::Scene& /*scene*/) const override {
         std::vector<std::string> notes = grid_->volume->messages;
         if (grid_->turned)
@@ -422,6 +439,33 @@ std::vector<parameter::Parameter> hostParameters() {
 }
 
 } // namespace
+
+std::optional<Shown> shown(const render::Subject& subject, const scene::Scene& scene) {
+    const auto* volume = dynamic_cast<const VolumeSubject*>(&subject);
+    if (volume == nullptr) return std::nullopt;
+    return volume->shown(scene);
+}
+
+Json toJson(const Shown& shown) {
+    const Volume& volume = *shown.volume;
+    Json channels = Json::array();
+    for (std::size_t i = 0; i < shown.ranges.size(); ++i) {
+        const DataRange& range = shown.ranges[i];
+        const auto [from, to] = histogramAxis(range);
+        channels.push_back({{"name", i < volume.channelNames.size() ? volume.channelNames[i] : ""},
+                            {"minimum", range.minimum},
+                            {"maximum", range.maximum},
+                            {"low", range.low},
+                            {"high", range.high},
+                            {"gradient_high", range.gradientHigh},
+                            {"axis", {from, to}},
+                            {"transfer", toJson(shown.transfer[i])}});
+    }
+    return {{"time", shown.time},
+            {"unit", volume.unit},
+            {"modality", toString(shown.modality)},
+            {"channels", std::move(channels)}};
+}
 
 render::SubjectType subjectType() {
     return {{"subject",

@@ -326,6 +326,17 @@ check 'a volume has points of time' test "$(json volume.json volume times)" = 1
 check 'a volume has an orientation' test "$(json volume.json volume orientation)" = LPS
 check 'a volume has a range' test "$(json volume.json volume values 1 max)" = 7.0
 check 'a volume has percentiles' test "$(json volume.json volume values 0 percentiles 50)" = 1.0
+# Its middle is the mean of all four; voxels are centred at -0.25 and 0.25 mm.
+expect 0 '^channel 1 +5.5$' info v.raw --raw $form --at 0,0,0
+expect 0 '^channel 0 +1$' info v.raw --raw $form --at 0.25,-0.25,0
+expect 0 '^voxel +\(0, 1, 0\)' info v.raw --raw $form --at -0.5,0.5,0.9
+expect 2 '\(0, 0, 1.5\) mm is outside .* corners are at \(-0.5, -0.5, -1\)' info v.raw --raw $form --at 0,0,1.5
+expect 2 'this is none' info mandelbulb --at 0,0,0
+expect 0 'channel 1: 4 voxels' info v.raw --raw $form --histogram
+apeiron info v.raw --raw $form --at 0,0,0 --histogram --json
+cp stdout questions.json
+check 'a place has values' test "$(json questions.json at values 0 value)" = 1.5
+check 'a histogram counts voxels' test "$(json questions.json histograms 1 values voxels)" = 4
 expect 2 'v.raw: has 8 bytes, and 3x3x1:uint8 needs 9' info v.raw --raw 3x3x1:uint8
 expect 2 'v.raw: .* need .* GB, and there are' info v.raw --raw 60000x60000x60000:float32
 printf 'ObjectType = Image\nNDims = 3\nDimSize = 60000 60000 60000\nElementType = MET_FLOAT\nElementDataFile = LOCAL\n' >huge.mha
