@@ -2,16 +2,9 @@
 
 namespace apeiron::terrain {
 
-std::size_t CellCache::KeyHash::operator()(const Key& key) const {
-    // Fibonacci hashing of all three.
-    const std::uint64_t cell = (static_cast<std::uint64_t>(key.y) << 32U) | key.x;
-    std::uint64_t hash = (cell ^ (static_cast<std::uint64_t>(key.level) * 0xD6E8FEB86659FD93U)) * 0x9E3779B97F4A7C15U;
-    hash ^= hash >> 32U;
-    return static_cast<std::size_t>(hash);
-}
-
 void CellCache::forgetAll() {
     nodes_.clear();
+    windows_.clear();
     free_.clear();
     byKey_.clear();
     sweep_ = 0;
@@ -37,17 +30,20 @@ std::int32_t CellCache::add(const Shape& shape, const Cell& cell) {
     if (free_.empty()) {
         index = static_cast<std::int32_t>(nodes_.size());
         nodes_.emplace_back();
+        windows_.emplace_back();
     } else {
         index = free_.back();
         free_.pop_back();
     }
     Node& node = nodes_[static_cast<std::size_t>(index)];
     node = Node{};
-    node.cell = cell;
+    node.key = {cell.level, cell.x, cell.y};
+    node.corner = cell.window[5];
+    windows_[static_cast<std::size_t>(index)] = cell.window;
     node.bounds = heightBounds(shape, cell);
     node.seen = turn_;
     node.used = true;
-    byKey_[{cell.level, cell.x, cell.y}] = index;
+    byKey_[node.key] = index;
     return index;
 }
 
@@ -58,7 +54,7 @@ void CellCache::remove(std::int32_t index) {
     for (const std::int32_t child : node.children) {
         if (child >= 0) nodes_[static_cast<std::size_t>(child)].parent = -1;
     }
-    byKey_.erase({node.cell.level, node.cell.x, node.cell.y});
+    byKey_.erase(node.key);
     node.used = false;
     free_.push_back(index);
 }
@@ -67,7 +63,7 @@ std::int32_t CellCache::node(const Shape& shape, const Cell& cell) {
     const auto found = byKey_.find({cell.level, cell.x, cell.y});
     if (found == byKey_.end()) return add(shape, cell);
     // Far away on another path there are cells of the same name: coordinates are known modulo 2^32.
-    if ((*this)[found->second].cell == cell) return found->second;
+    if (this->cell(found->second) == cell) return found->second;
     forgetAll();
     return add(shape, cell);
 }
@@ -75,13 +71,14 @@ std::int32_t CellCache::node(const Shape& shape, const Cell& cell) {
 std::int32_t CellCache::child(const Shape& shape, std::int32_t parent, int digit) {
     const std::int32_t known = (*this)[parent].children[static_cast<std::size_t>(digit)];
     if (known >= 0) return known;
-    const Cell& above = (*this)[parent].cell;
+    const CellKey above = (*this)[parent].key;
     const auto found = byKey_.find({above.level + 1, 2U * above.x + static_cast<std::uint32_t>(digit & 1),
                                     2U * above.y + static_cast<std::uint32_t>(digit >> 1)});
-    const std::int32_t index = found != byKey_.end() ? found->second : add(shape, childCell(shape, above, digit));
+    const std::int32_t index =
+        found != byKey_.end() ? found->second : add(shape, childCell(shape, cell(parent), digit));
     nodes_[static_cast<std::size_t>(parent)].children[static_cast<std::size_t>(digit)] = index;
     nodes_[static_cast<std::size_t>(index)].parent = parent;
-    nodes_[static_cast<std::size_t>(index)].digit = digit;
+    nodes_[static_cast<std::size_t>(index)].digit = static_cast<std::int8_t>(digit);
     return index;
 }
 

@@ -304,13 +304,23 @@ void Scenery::choose(const Place& place, glm::ivec2 size, double pixels, gpu::Ke
     std::stable_sort(order.begin(), order.end(), [this](const Tile* a, const Tile* b) {
         return reversed_ ? a->level > b->level : a->level < b->level;
     });
+    // What is there stays, before anything that is not takes its room.
+    std::vector<glm::ivec2> places;
+    places.reserve(order.size());
+    for (const Tile* tile : order)
+        places.push_back(cache_->find(*tile));
+    std::vector<const Tile*> rest;
+    for (const Tile& tile : later_) {
+        if (cache_->find(tile).x < 0) rest.push_back(&tile);
+    }
     records_.clear();
     groups_.clear();
     marks_.clear();
     const auto count = static_cast<int>(order.size());
     for (int i = 0; i < count; ++i) {
         const Tile& tile = *order[static_cast<std::size_t>(i)];
-        const glm::ivec2 at = cache_->place(tile, maker_, kernels, stage);
+        glm::ivec2 at = places[static_cast<std::size_t>(i)];
+        if (at.x < 0) at = cache_->place(tile, maker_, kernels, stage);
         if (at.x < 0) break; // more than there is room for: only with the least ratio
         const glm::vec3 eye(selection_.camera());
         const double edge = tile.spacing * (1 << view_.tileLevels);
@@ -341,11 +351,12 @@ void Scenery::choose(const Place& place, glm::ivec2 size, double pixels, gpu::Ke
     if (!marks_.empty()) boxInstances_ = gpu::Buffer(context_, gpu::Buffer::Kind::Vertices, bytesOf(marks_), "boxes");
     triangles_ = static_cast<std::int64_t>(records_.size()) * indexCount_ / 3;
     std::int64_t most = kMostMade - (cache_->generated() - generated);
-    for (const Tile& tile : later_) {
-        if (!cache_->has(tile) && most-- <= 0) continue;
-        cache_->place(tile, maker_, kernels, stage);
+    for (const Tile* tile : rest) {
+        if (cache_->has(*tile)) continue; // it is drawn now
+        if (most-- <= 0 || cache_->place(*tile, maker_, kernels, stage).x < 0) break;
     }
     if (missing_ == 0) prefetch(place, most, kernels, stage);
+    made_ = cache_->generated() - generated;
     prepared_ = true;
     makeSeconds_ = watch.seconds();
     chosen_ = place;
@@ -357,15 +368,17 @@ void Scenery::select(const Place& place, glm::ivec2 size, double pixels) {
     for (coarser_ = 1.0;; coarser_ *= 1.2) {
         view_.ratio = splitRatio(size.y, view_.tanHalfFov / kWider, pixels * coarser_, view_.tileLevels);
         selection_.select(place, view_);
-        if (static_cast<int>(tiles.size()) <= cache_->capacity() || view_.ratio <= kLeastRatio) break;
+        // Room for what is drawn while tiles are missing, too.
+        const auto room = static_cast<std::size_t>(cache_->capacity()) * 7 / 8;
+        if (tiles.size() <= room || view_.ratio <= kLeastRatio) break;
     }
     const auto isMissing = [this](const Tile& tile) { return !cache_->has(tile); };
     const auto missing = [&] { return std::count_if(tiles.begin(), tiles.end(), isMissing); };
     missing_ = 0;
     later_.clear();
     const std::int64_t heldBefore = std::exchange(held_, 0);
-    // Not where there is nothing to go on from, nor where the cache has no room for what is drawn meanwhile.
-    if (cache_->cached() == 0 || 2 * static_cast<int>(tiles.size()) > cache_->capacity()) return;
+    // Not where there is nothing to go on from.
+    if (cache_->cached() == 0) return;
     const std::int64_t wanted = missing();
     if (wanted <= kMostMade) return;
     missing_ = wanted;
@@ -373,18 +386,26 @@ void Scenery::select(const Place& place, glm::ivec2 size, double pixels) {
     later_ = tiles;
     std::stable_sort(later_.begin(), later_.end(), [](const Tile& a, const Tile& b) { return a.level < b.level; });
     std::int64_t deepest = 0;
-    std::int64_t highest = std::numeric_limits<std::int64_t>::max();
-    for (const Tile& tile : tiles) {
+    for (const Tile& tile : tiles)
         deepest = std::max(deepest, tile.cell.level);
-        highest = std::min(highest, tile.cell.level);
-    }
+    const std::int64_t highest = selection_.originLevel() - view_.tileLevels;
     // What was held back last time is a good guess.
     const std::int64_t most = deepest - highest;
     for (held_ = std::clamp<std::int64_t>(heldBefore - 1, 1, std::max<std::int64_t>(most, 1)); held_ <= most; ++held_) {
         view_.deepest = deepest - held_;
         selection_.select(place, view_);
-        if (missing() <= kMostMade) return;
+        if (missing() > kMostMade) continue;
+        // Those of that level may be ancestors of tiles to come: the cache has to have both.
+        const auto ancestors =
+            std::count_if(tiles.begin(), tiles.end(), [this](const Tile& t) { return t.cell.level >= view_.deepest; });
+        if (later_.size() + static_cast<std::size_t>(ancestors) <= static_cast<std::size_t>(cache_->capacity())) return;
+        break;
     }
+    // No room for that: all at once.
+    view_.deepest = std::numeric_limits<std::int64_t>::max();
+    selection_.select(place, view_);
+    held_ = missing_ = 0;
+    later_.clear();
 }
 
 void Scenery::prefetch(const Place& place, std::int64_t most, gpu::KernelCache& kernels, gpu::Stage stage) {
@@ -558,6 +579,7 @@ render::Flown Scenery::autopilot(scene::Scene& scene, render::Autopilot way, dou
 std::vector<std::pair<std::string, double>> Scenery::counters() const {
     return {{"tiles drawn", static_cast<double>(records_.size())},
             {"tiles missing", static_cast<double>(missing_)},
+            {"tiles made", static_cast<double>(made_)},
             {"tiles prefetched", static_cast<double>(prefetched_)},
             {"tiles generated", cache_ ? static_cast<double>(cache_->generated()) : 0.0},
             {"tiles cached", cache_ ? static_cast<double>(cache_->cached()) : 0.0},

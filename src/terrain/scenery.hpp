@@ -120,6 +120,7 @@ class Scenery {
     std::vector<Tile> later_;  ///< the full selection, where that could not be drawn at once
     std::int64_t held_ = 0;    ///< levels that are not drawn for want of these tiles
     std::int64_t missing_ = 0; ///< of it, tiles that were not there
+    std::int64_t made_ = 0;    ///< tiles, for the last picture
     bool prepared_ = false;    ///< since the last due()
     bool lifted_ = false;      ///< the scene's camera is under the ground
     std::int64_t prefetched_ = 0;

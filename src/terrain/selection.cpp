@@ -100,11 +100,11 @@ class Levels {
     const Level& at(std::int64_t level) const { return levels_[static_cast<std::size_t>(level - first_)]; }
 
     Box box(const CellCache::Node& node) const {
-        const Level& level = at(node.cell.level);
-        const double x = static_cast<double>(static_cast<std::int32_t>(node.cell.x - level.x)) - level.fraction.x;
-        const double y = static_cast<double>(static_cast<std::int32_t>(node.cell.y - level.y)) - level.fraction.y;
-        const auto corner = static_cast<std::int64_t>(detail::ringHeight(node.cell.window[5]) - level.height);
-        const double z = std::ldexp(static_cast<double>(corner), -32);
+        const Level& level = at(node.key.level);
+        const double x = static_cast<double>(static_cast<std::int32_t>(node.key.x - level.x)) - level.fraction.x;
+        const double y = static_cast<double>(static_cast<std::int32_t>(node.key.y - level.y)) - level.fraction.y;
+        const auto corner = static_cast<std::int64_t>(detail::ringHeight(node.corner) - level.height);
+        const double z = static_cast<double>(corner) * 0x1p-32;
         return {{x * level.edge, y * level.edge, (z + node.bounds.least) * level.unit},
                 {(x + 1.0) * level.edge, (y + 1.0) * level.edge, (z + node.bounds.most) * level.unit}};
     }
@@ -139,14 +139,22 @@ class Frustum {
         normals_ = {view.camera * glm::dvec3(1, 0, -x), view.camera * glm::dvec3(-1, 0, -x),
                     view.camera * glm::dvec3(0, 1, -y), view.camera * glm::dvec3(0, -1, -y)};
     }
-    bool sees(const Box& box) const {
-        return std::all_of(normals_.begin(), normals_.end(), [&](const glm::dvec3& n) {
-            const double farthest = std::max(n.x * box.least.x, n.x * box.most.x) +
-                                    std::max(n.y * box.least.y, n.y * box.most.y) +
-                                    std::max(n.z * box.least.z, n.z * box.most.z);
-            return farthest >= 0.0;
-        });
+    /// Planes that the box is not known to be inside of, as bits; kOutside: it is outside of one.
+    /// @param planes likewise, of a box that this one is a part of
+    unsigned sees(const Box& box, unsigned planes) const {
+        for (unsigned i = 0; i < normals_.size(); ++i) {
+            if ((planes >> i & 1U) == 0) continue;
+            const glm::dvec3& n = normals_[i];
+            const glm::dvec3 low = n * box.least;
+            const glm::dvec3 high = n * box.most;
+            if (std::max(low.x, high.x) + std::max(low.y, high.y) + std::max(low.z, high.z) < 0.0) return kOutside;
+            if (std::min(low.x, high.x) + std::min(low.y, high.y) + std::min(low.z, high.z) >= 0.0)
+                planes &= ~(1U << i);
+        }
+        return planes;
     }
+    static constexpr unsigned kAll = 15;
+    static constexpr unsigned kOutside = 16;
 
   private:
     std::array<glm::dvec3, 4> normals_;
@@ -204,21 +212,23 @@ glm::vec3 morphed(const Tile& tile, glm::ivec2 vertex, VertexHeights heights, co
 struct Selection::State {
     CellCache cache;
     std::uint32_t turn = 0;
+    std::vector<std::pair<std::int32_t, Box>> found; ///< by the last walk; kept for its memory
 
     /// What one walk down the tree needs.
     struct Walk {
         const Place& place;
-        const SelectionView& view;
         const Levels& levels;
         double ratio;
         double clearance;
         std::int64_t deepest;
         const Frustum* frustum;
         Horizon* horizon;
-        std::vector<std::pair<std::int32_t, Box>>* found;
     };
 
-    void walk(const Walk& w, std::int32_t index, bool inside);
+    /// From the nine roots down.
+    void walk(const Walk& w);
+    /// @param inside the camera is over the parent @param planes of the frustum that the parent is not inside of
+    void walk(const Walk& w, std::int32_t index, bool inside, unsigned planes);
     double clearance(const Place& place, const Levels& levels);
     void clearanceBelow(const Place& place, const Levels& levels, std::int32_t index, double& best);
     void begin(const Place& place) {
@@ -227,27 +237,34 @@ struct Selection::State {
     }
 };
 
-void Selection::State::walk(const Walk& w, std::int32_t index, bool inside) {
+void Selection::State::walk(const Walk& w) {
+    found.clear();
+    for (const std::int32_t root : rootsOf(cache, w.place, w.levels.first()))
+        walk(w, root, false, w.frustum != nullptr ? Frustum::kAll : 0U);
+}
+
+void Selection::State::walk(const Walk& w, std::int32_t index, bool inside, unsigned planes) {
     cache.see(index);
-    const CellCache::Node node = cache[index]; // a copy: children may move the nodes
-    const Box box = w.levels.box(node);
-    if (w.frustum != nullptr && !w.frustum->sees(box)) return;
+    const std::int64_t level = cache[index].key.level;
+    const Box box = w.levels.box(cache[index]);
+    if (planes != 0) planes = w.frustum->sees(box, planes);
+    if (planes == Frustum::kOutside) return;
     if (w.horizon != nullptr && !inside && w.horizon->hides(box.least, box.most)) return;
-    const double edge = w.levels.at(node.cell.level).edge;
-    const double distance = std::max(groundDistance(box), w.clearance);
-    if (distance >= w.ratio * edge || node.cell.level >= w.deepest) {
-        w.found->emplace_back(index, box);
+    const double edge = w.levels.at(level).edge;
+    const double distance = groundDistance(box);
+    if (std::max(distance, w.clearance) >= w.ratio * edge || level >= w.deepest) {
+        found.emplace_back(index, box);
         if (w.horizon != nullptr) w.horizon->add(box.least, box.most);
         return;
     }
     for (const int digit : nearFirst(box))
-        walk(w, cache.child(w.place.shape(), index, digit), groundDistance(box) == 0.0);
+        walk(w, cache.child(w.place.shape(), index, digit), distance == 0.0, planes);
 }
 
 void Selection::State::clearanceBelow(const Place& place, const Levels& levels, std::int32_t index, double& best) {
     cache.see(index);
-    const CellCache::Node node = cache[index];
-    const Box box = levels.box(node);
+    const std::int64_t level = cache[index].key.level;
+    const Box box = levels.box(cache[index]);
     const double distance = distanceTo(box);
     if (distance >= best) return;
     if (box.least.z >= 0.0 && groundDistance(box) == 0.0) {
@@ -255,8 +272,7 @@ void Selection::State::clearanceBelow(const Place& place, const Levels& levels, 
         best = 0.0;
         return;
     }
-    const double edge = levels.at(node.cell.level).edge;
-    if (edge <= 0.25 * distance || node.cell.level >= levels.last()) {
+    if (levels.at(level).edge <= 0.25 * distance || level >= levels.last()) {
         best = distance;
         return;
     }
@@ -286,7 +302,8 @@ namespace {
 /// Puts tiles together from cells.
 class TileMaker {
   public:
-    TileMaker(const Place& place, const Levels& levels, const SelectionView& view)
+    /// @param deepest level of the tiles' cells
+    TileMaker(const Place& place, const Levels& levels, const SelectionView& view, std::int64_t deepest)
         : levels_(levels), view_(view), shape_(place.shape()), originLevel_(levels.first() + view.tileLevels) {
         const Level& root = levels.at(levels.first());
         const double cells = std::ldexp(1.0, view.tileLevels);
@@ -302,18 +319,17 @@ class TileMaker {
         camera_ = {(root.fraction.x - static_cast<double>(origin_.x) / cells) * root.edge,
                    (root.fraction.y - static_cast<double>(origin_.y) / cells) * root.edge,
                    std::ldexp(static_cast<double>(above), -32) * unit};
+        for (std::int64_t n = levels.first(); n <= deepest; ++n)
+            ofLevel_.push_back(ofLevel(n));
     }
 
     const glm::dvec3& camera() const { return camera_; }
     std::int64_t originLevel() const { return originLevel_; }
 
     Tile make(const Cell& cell, const Box& box, double clearance) const {
-        Tile tile;
-        const Level& level = levels_.at(cell.level);
+        Tile tile = ofLevel_[static_cast<std::size_t>(cell.level - levels_.first())];
         const auto shift = static_cast<unsigned>(view_.tileLevels);
-        const double cells = std::ldexp(1.0, view_.tileLevels);
         tile.cell = cell;
-        tile.level = cell.level + view_.tileLevels;
         tile.x = cell.x << shift;
         tile.y = cell.y << shift;
         // The origin in cells of the vertices' level, from the camera's root cell.
@@ -324,14 +340,6 @@ class TileMaker {
             return static_cast<std::int32_t>((static_cast<std::int64_t>(fromRoot) << shift) - (origin << down));
         };
         tile.offset = {offset(cell.x, root.x, origin_.x), offset(cell.y, root.y, origin_.y)};
-        tile.originHeight =
-            static_cast<std::int32_t>(originHeight_ << static_cast<unsigned>(exponentTo(tile.level, originLevel_)));
-        tile.spacing = level.edge / cells;
-        tile.heightUnit = level.unit * std::ldexp(1.0, -exponentTo(tile.level, cell.level));
-        // Morphing begins where no coarser neighbour's finer one can be, and ends before the next coarser tile.
-        const double sigma = 1.01 + 1.0 / view_.ratio;
-        tile.morphScale = static_cast<float>(1.0 / ((1.98 - sigma) * view_.ratio * level.edge));
-        tile.morphOffset = static_cast<float>(sigma / (1.98 - sigma));
         tile.least = box.least.z;
         tile.most = box.most.z;
         tile.distance = std::max(groundDistance(box), clearance);
@@ -339,6 +347,21 @@ class TileMaker {
     }
 
   private:
+    /// What all tiles have in common whose cells are of that level.
+    Tile ofLevel(std::int64_t cellLevel) const {
+        Tile tile;
+        const Level& level = levels_.at(cellLevel);
+        tile.level = cellLevel + view_.tileLevels;
+        tile.originHeight =
+            static_cast<std::int32_t>(originHeight_ << static_cast<unsigned>(exponentTo(tile.level, originLevel_)));
+        tile.spacing = level.edge * std::ldexp(1.0, -view_.tileLevels);
+        tile.heightUnit = level.unit * std::ldexp(1.0, -exponentTo(tile.level, cellLevel));
+        // Morphing begins where no coarser neighbour's finer one can be, and ends before the next coarser tile.
+        const double sigma = 1.01 + 1.0 / view_.ratio;
+        tile.morphScale = static_cast<float>(1.0 / ((1.98 - sigma) * view_.ratio * level.edge));
+        tile.morphOffset = static_cast<float>(sigma / (1.98 - sigma));
+        return tile;
+    }
     int exponentTo(std::int64_t level, std::int64_t from) const {
         return static_cast<int>(heightExponent(shape_, level) - heightExponent(shape_, from));
     }
@@ -353,6 +376,7 @@ class TileMaker {
     glm::i64vec2 origin_{0}; ///< in vertices of the coarsest tiles, from the corner of the camera's root cell
     std::uint32_t originHeight_ = 0;
     glm::dvec3 camera_{0.0};
+    std::vector<Tile> ofLevel_;
 };
 
 std::int64_t deepestOf(const Levels& levels, const SelectionView& view) {
@@ -368,23 +392,14 @@ const std::vector<Tile>& Selection::select(const Place& place, const SelectionVi
     clearance_ = state_->clearance(place, levels);
     const Frustum frustum(view);
     Horizon horizon;
-    std::vector<std::pair<std::int32_t, Box>> found;
-    const State::Walk walk{place,
-                           view,
-                           levels,
-                           view.ratio,
-                           clearance_,
-                           deepestOf(levels, view),
-                           view.cullFrustum ? &frustum : nullptr,
-                           view.cullHorizon ? &horizon : nullptr,
-                           &found};
-    for (const std::int32_t root : rootsOf(state_->cache, place, levels.first()))
-        state_->walk(walk, root, false);
-    const TileMaker maker(place, levels, view);
+    const std::int64_t deepest = deepestOf(levels, view);
+    state_->walk({place, levels, view.ratio, clearance_, deepest, view.cullFrustum ? &frustum : nullptr,
+                  view.cullHorizon ? &horizon : nullptr});
+    const TileMaker maker(place, levels, view, deepest);
     tiles_.clear();
-    for (const auto& [index, box] : found) {
+    for (const auto& [index, box] : state_->found) {
         state_->cache.draw(index);
-        tiles_.push_back(maker.make(state_->cache[index].cell, box, clearance_));
+        tiles_.push_back(maker.make(state_->cache.cell(index), box, clearance_));
     }
     camera_ = maker.camera();
     originLevel_ = maker.originLevel();
@@ -397,17 +412,13 @@ std::vector<Tile> Selection::prefetch(const Place& place, const SelectionView& v
     levels.shift(travel);
     const double clearance = state_->clearance(place, levels);
     const Frustum frustum(view);
-    std::vector<std::pair<std::int32_t, Box>> found;
-    const State::Walk walk{
-        place,   view,  levels, view.ratio, clearance, deepestOf(levels, view), view.cullFrustum ? &frustum : nullptr,
-        nullptr, &found};
-    for (const std::int32_t root : rootsOf(state_->cache, place, levels.first()))
-        state_->walk(walk, root, false);
-    const TileMaker maker(place, levels, view);
+    const std::int64_t deepest = deepestOf(levels, view);
+    state_->walk({place, levels, view.ratio, clearance, deepest, view.cullFrustum ? &frustum : nullptr, nullptr});
+    const TileMaker maker(place, levels, view, deepest);
     std::vector<Tile> tiles;
-    for (const auto& [index, box] : found) {
+    for (const auto& [index, box] : state_->found) {
         if (!state_->cache.drawnInTurn(index, state_->turn))
-            tiles.push_back(maker.make(state_->cache[index].cell, box, clearance));
+            tiles.push_back(maker.make(state_->cache.cell(index), box, clearance));
     }
     // The finest are the nearest: what is missed first.
     std::stable_sort(tiles.begin(), tiles.end(), [](const Tile& a, const Tile& b) { return a.distance < b.distance; });

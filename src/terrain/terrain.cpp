@@ -104,7 +104,7 @@ std::vector<Parameter> parameters() {
         ranged(declare("detail", Type::Float, 1.5, "Most distance between two heights in the picture"), 0.5, 16, true);
     detail.unit = "px";
     Parameter memory =
-        ranged(declare("memory", Type::Int, std::int64_t{128}, "Most GPU memory for tiles' heights and slopes"), 4,
+        ranged(declare("memory", Type::Int, std::int64_t{192}, "Most GPU memory for tiles' heights and slopes"), 4,
                4096, true);
     memory.unit = "MiB";
     return {

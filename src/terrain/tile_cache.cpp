@@ -25,12 +25,6 @@ int tilesAcross(const gpu::Context& context, int side, std::int64_t bytes) {
 
 } // namespace
 
-std::size_t TileCache::KeyHash::operator()(const Key& key) const {
-    auto h = static_cast<std::uint64_t>(key.level) * 0x9E3779B97F4A7C15U;
-    h ^= (static_cast<std::uint64_t>(key.x) << 32U | key.y) * 0xC2B2AE3D27D4EB4FU;
-    return static_cast<std::size_t>(h ^ (h >> 29U));
-}
-
 TileCache::TileCache(const gpu::Context& context, int tileLevels, std::int64_t bytes)
     : tileLevels_(tileLevels), bytes_(bytes), side_((1 << tileLevels) + 1), across_(tilesAcross(context, side_, bytes)),
       heights_(context, gpu::PixelFormat::RG32I, {across_ * side_, across_ * side_}, "tile heights"),
@@ -45,14 +39,17 @@ void TileCache::begin(const Shape& shape) {
     index_.clear();
 }
 
+glm::ivec2 TileCache::find(const Tile& tile) {
+    const auto found = index_.find({tile.level, tile.x, tile.y});
+    if (found == index_.end()) return {-1, -1};
+    entries_.splice(entries_.begin(), entries_, found->second);
+    found->second->turn = turn_;
+    return squareAt(found->second->slot);
+}
+
 glm::ivec2 TileCache::place(const Tile& tile, Maker maker, gpu::KernelCache& kernels, gpu::Stage stage) {
-    const Key key{tile.level, tile.x, tile.y};
-    const auto at = [this](int slot) { return glm::ivec2(slot % across_, slot / across_) * side_; };
-    if (const auto found = index_.find(key); found != index_.end()) {
-        entries_.splice(entries_.begin(), entries_, found->second);
-        found->second->turn = turn_;
-        return at(found->second->slot);
-    }
+    if (const glm::ivec2 there = find(tile); there.x >= 0) return there;
+    const CellKey key{tile.level, tile.x, tile.y};
     int slot = static_cast<int>(entries_.size());
     if (slot >= capacity()) {
         if (entries_.back().turn == turn_) return {-1, -1};
@@ -62,9 +59,9 @@ glm::ivec2 TileCache::place(const Tile& tile, Maker maker, gpu::KernelCache& ker
     }
     entries_.push_front({key, slot, turn_});
     index_.emplace(key, entries_.begin());
-    make(tile, at(slot), maker, kernels, stage);
+    make(tile, squareAt(slot), maker, kernels, stage);
     ++generated_;
-    return at(slot);
+    return squareAt(slot);
 }
 
 void TileCache::make(const Tile& tile, glm::ivec2 at, Maker maker, gpu::KernelCache& kernels, gpu::Stage stage) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "gpu/kernel_cache.hpp"
+#include "terrain/cell_key.hpp"
 #include "terrain/selection.hpp"
 
 #include <list>
@@ -30,7 +31,11 @@ class TileCache {
     /// Whether a tile is there.
     bool has(const Tile& tile) const { return index_.contains({tile.level, tile.x, tile.y}); }
 
-    /// The first texel of a tile's square; makes it when it is not there. @returns (-1, -1) when every tile is in use
+    /// The first texel of a tile's square, which stays for this picture; (-1, -1) when it is not there.
+    glm::ivec2 find(const Tile& tile);
+
+    /// The same, but makes it when it is not there. What a picture needs and has it must have asked find() for before:
+    /// the room for new tiles is that of others. @returns (-1, -1) when every tile is in use
     glm::ivec2 place(const Tile& tile, Maker maker, gpu::KernelCache& kernels, gpu::Stage stage);
 
     const gpu::Texture& heights() const { return heights_; } ///< RG32I: fine and coarse (see VertexHeights)
@@ -41,20 +46,12 @@ class TileCache {
     std::int64_t generated() const { return generated_; } ///< since it was made
 
   private:
-    struct Key {
-        std::int64_t level;
-        std::uint32_t x;
-        std::uint32_t y;
-        bool operator==(const Key&) const = default;
-    };
-    struct KeyHash {
-        std::size_t operator()(const Key& key) const;
-    };
     struct Entry {
-        Key key;
+        CellKey key;
         int slot;
         std::uint32_t turn;
     };
+    glm::ivec2 squareAt(int slot) const { return glm::ivec2(slot % across_, slot / across_) * side_; }
     void make(const Tile& tile, glm::ivec2 at, Maker maker, gpu::KernelCache& kernels, gpu::Stage stage);
 
     int tileLevels_;
@@ -67,7 +64,7 @@ class TileCache {
     Shape shape_;
     std::uint32_t turn_ = 0;
     std::list<Entry> entries_; ///< most recently used first
-    std::unordered_map<Key, std::list<Entry>::iterator, KeyHash> index_;
+    std::unordered_map<CellKey, std::list<Entry>::iterator, CellKeyHash> index_;
     std::vector<VertexHeights> vertices_; ///< scratch
     std::vector<float> slopeTexels_;
     std::vector<std::int32_t> heightTexels_;

@@ -157,6 +157,23 @@ TEST(TerrainPicture, a_turn_makes_few_tiles_at_once_and_ends_in_the_same_picture
     EXPECT_TRUE(identical(session.picture(), rendered(session.scene())->picture()));
 }
 
+TEST(TerrainPicture, no_picture_of_a_flight_makes_more_than_24_tiles_with_a_full_cache_either) {
+    scene::Scene scene = range();
+    // Room for little more than the picture's own tiles: what is made takes the place of what was drawn long ago.
+    scene.set("subject.memory", std::string_view("12"));
+    session::Session session(context(), scene, {});
+    finish(session);
+    double most = 0.0;
+    for (int i = 0; i < 160; ++i) {
+        session.autopilot(i < 90 ? render::Autopilot::Dive : render::Autopilot::Rise, 4.0, 0.1);
+        most = std::max(most, counterOf(session, "tiles made"));
+    }
+    EXPECT_EQ(counterOf(session, "tiles cached"), counterOf(session, "tiles' room"));
+    EXPECT_GT(counterOf(session, "tiles generated"), 3.0 * counterOf(session, "tiles' room"));
+    EXPECT_GT(most, 0.0);
+    EXPECT_LE(most, 24.0);
+}
+
 TEST(TerrainPicture, a_camera_under_the_ground_is_shown_above_it_with_a_note) {
     scene::Scene scene = range();
     scene.set("camera.position", std::string_view("0.5,0.5,-2"));
