@@ -84,6 +84,11 @@ export class Rig {
         return new Rig(server, context, profile, `http://127.0.0.1:${(server.address() as AddressInfo).port}`);
     }
 
+    /** An empty page. */
+    async blank(): Promise<Page> {
+        return this.context.newPage();
+    }
+
     /** Opens the page and waits for its engine. */
     async open(query: string): Promise<Page> {
         const page = await this.context.newPage();
