@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace apeiron::terrain {
@@ -12,7 +13,9 @@ constexpr double kMostClearance = 4.0;  ///< [cells]; well over twice the least,
 constexpr int kOctaves = 14;
 
 constexpr double kGlide = -0.45;        ///< slope at which a dive approaches its target
-constexpr double kGaze = -0.25;         ///< slope at which it looks ahead meanwhile
+constexpr double kGaze = -0.2;          ///< slope at which it looks ahead meanwhile, from that of the horizon
+constexpr double kLowestGaze = -1.2;    ///< not straight down ...
+constexpr double kHighestGaze = 0.6;    ///< ... nor up a wall
 constexpr std::int64_t kAhead = 2;      ///< levels below the place's that the target of a dive is at
 constexpr double kFarthestTarget = 8.0; ///< [cells]; a wall is in between: another one is looked for
 
@@ -118,6 +121,19 @@ void Flight::face(const glm::dvec3& direction, double part) {
     orientation_ = glm::normalize(glm::slerp(orientation_, wanted, part));
 }
 
+double Flight::horizon(const glm::dvec2& heading) const {
+    double highest = -std::numeric_limits<double>::infinity();
+    for (std::int64_t up = 0; up <= 4 && up <= place_.level(); ++up) {
+        // Two cells, of the place's own size or coarser ones, ahead: four to 64 clearances or so.
+        const double edge = std::ldexp(1.0, static_cast<int>(up));
+        const glm::dvec2 ahead = heading * (2.0 * std::max(1.0, clearance_));
+        const Cell cell = place_.cellNear(place_.level() - up, std::llround(ahead.x), std::llround(ahead.y));
+        const glm::dvec3 way = place_.toCell(cell);
+        highest = std::max(highest, way.z * relief() / std::max(std::hypot(way.x, way.y), edge));
+    }
+    return highest;
+}
+
 void Flight::dive(double speed, double seconds) {
     if (clearance_ <= 0.0) return;
     aim();
@@ -127,7 +143,10 @@ void Flight::dive(double speed, double seconds) {
     const double part = partOf(speed, seconds);
     // Looks ahead over the ground rather than down on it.
     const double flat = std::hypot(way.x, way.y);
-    if (flat > 0.2 * distance) face({way.x / flat, way.y / flat, kGaze}, 0.1 * part);
+    if (flat > 0.2 * distance) {
+        const glm::dvec2 heading(way.x / flat, way.y / flat);
+        face({heading.x, heading.y, std::clamp(horizon(heading) + kGaze, kLowestGaze, kHighestGaze)}, 0.25 * part);
+    }
     step(way / distance, part * clearance_);
 }
 

@@ -48,6 +48,8 @@ class Flight {
     void measure();
     void aim();
     void face(const glm::dvec3& direction, double part);
+    /// Slope under which the highest ground ahead is seen. @param heading of length 1
+    double horizon(const glm::dvec2& heading) const;
 
     Place place_;
     glm::dquat orientation_;

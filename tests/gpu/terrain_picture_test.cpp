@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 
 namespace apeiron::test {
 namespace {
@@ -133,6 +134,33 @@ TEST(TerrainPicture, autopilot_dives_through_pictures_and_rises_again) {
         finish(session);
         EXPECT_TRUE(identical(before, session.picture())) << hurst;
     }
+}
+
+TEST(TerrainPicture, statistics_stay_in_a_range_on_a_dive_of_3400_levels) {
+    scene::Scene scene = range();
+    setAll(scene, {{"output.width", "128"}, {"output.height", "72"}});
+    session::Session session(context(), scene, {});
+    std::vector<double> gradients;
+    std::vector<double> skies;
+    constexpr std::size_t kPictures = 24;
+    for (std::size_t stop = 1; stop <= kPictures; ++stop) {
+        while (levelOf(session) < 40 + 3400 * stop / kPictures)
+            ASSERT_TRUE(session.autopilot(render::Autopilot::Dive, 1.0, 30.0));
+        EXPECT_GT(session.distanceToSurface(), 0.0);
+        finish(session);
+        gradients.push_back(255.0 * meanGradient(session.picture()));
+        skies.push_back(1.0 - shareOfHits(session.layers().albedo));
+    }
+    const auto [leastGradient, mostGradient] = std::minmax_element(gradients.begin(), gradients.end());
+    const auto [leastSky, mostSky] = std::minmax_element(skies.begin(), skies.end());
+    std::cout << fmt::format("{} pictures: mean gradient {:.1f} to {:.1f} of 255, sky {:.0f} to {:.0f} %\n", kPictures,
+                             *leastGradient, *mostGradient, 100.0 * *leastSky, 100.0 * *mostSky);
+    // Fog, a plain or a wall of one colour have 0 to 2; pictures that were found good 6 to 22; grains of a pixel's size
+    // would have more than 60.
+    EXPECT_GT(*leastGradient, 3.0);
+    EXPECT_LT(*mostGradient, 40.0);
+    // The view follows the horizon of the ground, so that most of the picture is ground, on slopes of any steepness.
+    EXPECT_LT(*mostSky, 0.5);
 }
 
 TEST(TerrainPicture, a_turn_makes_few_tiles_at_once_and_ends_in_the_same_picture) {
