@@ -133,6 +133,13 @@ void Texture::upload(glm::ivec2 origin, glm::ivec2 size, std::span<const std::in
     glTexSubImage2D(GL_TEXTURE_2D, 0, origin.x, origin.y, size.x, size.y, f.format, f.type, texels.data());
 }
 
+void Texture::copy(const Texture& from) {
+    assert(from.format_ == format_ && from.size_.x >= size_.x && from.size_.y >= size_.y);
+    const ReadBinding binding(from.name_);
+    glBindTexture(GL_TEXTURE_2D, name_);
+    glCopyTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 0, 0, size_.x, size_.y);
+}
+
 std::vector<std::int32_t> Texture::downloadIntegers(glm::ivec2 origin, glm::ivec2 size) const {
     assert(format_ == PixelFormat::R32I || format_ == PixelFormat::RG32I);
     std::vector<std::int32_t> texels(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * 4);

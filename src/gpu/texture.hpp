@@ -40,6 +40,9 @@ class Texture {
     void upload(glm::ivec2 origin, glm::ivec2 size, std::span<const float> texels);
     void upload(glm::ivec2 origin, glm::ivec2 size, std::span<const std::int32_t> texels);
 
+    /// Takes over the first size() texels of another texture of the same float format. @pre it is no smaller
+    void copy(const Texture& from);
+
     /// Reads a float or RGBA8 texture back as RGBA floats (RGBA8 as 0..1); texel row 0 becomes image row 0.
     Image<float> download() const;
     /// As download(), of `rows` rows from `first` on. @pre inside

@@ -72,7 +72,7 @@ class Renderer {
 
     /// Turns accumulators, or what is there of the first estimate, into a picture.
     /// @param history nullptr: what is not there is black
-    virtual void present(const Picture& picture, const Interleave& interleave, const Progress& progress,
+    virtual void present(Picture& picture, const Interleave& interleave, const Progress& progress,
                          const History* history) = 0;
 
     /// The accumulators, for saving and merging.
