@@ -187,8 +187,7 @@ parameter::Invalidates Session::replace(scene::Scene scene, parameter::Invalidat
     const bool sizeChanged = sizeOf(scene) != sizeOf(scene_);
     // Until there is something of the new picture, the old one is better than none.
     const bool anew = what == parameter::Invalidates::Samples || what == parameter::Invalidates::Program;
-    const bool hold = options_.reproject && anew && !sizeChanged && scene.camera == scene_.camera && wholePicture();
-    if (hold) present();
+    const bool hold = anew && !sizeChanged && scene.camera == scene_.camera && holdPicture();
     std::swap(scene, scene_);
     try {
         apply(what, sizeChanged);
@@ -219,8 +218,7 @@ parameter::Invalidates Session::set(std::string_view path, const Json& value, co
 
 void Session::setSpecialise(bool specialise) {
     if (specialise == build_.specialise) return;
-    const bool hold = options_.reproject && wholePicture();
-    if (hold) present();
+    const bool hold = holdPicture();
     build_.specialise = specialise;
     try {
         apply(parameter::Invalidates::Program, false);
@@ -244,6 +242,12 @@ void Session::setCamera(const scene::Camera& camera) {
     scene_.camera = camera.node();
     renderer_->setScene(scene_, render::View(scene_, size()), *subject_);
     restart(keep);
+}
+
+bool Session::holdPicture() {
+    const bool hold = options_.reproject && wholePicture();
+    if (hold) present();
+    return hold;
 }
 
 void Session::keepPicture() {

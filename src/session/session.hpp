@@ -179,6 +179,8 @@ class Session {
     void restart(bool keep);
     /// Whether every pixel has something to show.
     bool wholePicture() const { return held_ || samples_ > 0 || block_ > 0 || cameraBefore_.has_value(); }
+    /// Has the present picture ready to be shown for longer, if it is whole and may be. @returns whether it is
+    bool holdPicture();
     /// Keeps the present picture for after a move of the camera.
     void keepPicture();
     /// Folds the complete sample into the accumulators, and begins the next.
