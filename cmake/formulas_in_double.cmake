@@ -11,8 +11,11 @@ function(to_cpp file result)
   set(${result} "${source}" PARENT_SCOPE)
 endfunction()
 
-to_cpp(${FOLDER}/../fold.glsl fold)
-string(APPEND text "namespace glsl {\n#define float double\n${fold}\n")
+string(APPEND text "namespace glsl {\n#define float double\n")
+foreach(shared fold fourth)
+  to_cpp(${FOLDER}/../${shared}.glsl source)
+  string(APPEND text "${source}\n")
+endforeach()
 
 file(GLOB formulas ${FOLDER}/*.glsl)
 set(table "")

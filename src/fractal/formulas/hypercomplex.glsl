@@ -1,6 +1,6 @@
 /// Hypercomplex Julia and Mandelbrot sets: z -> z^2 + c on Davenport's commutative four-dimensional numbers.
 /// Davenport (1996), "Commutative hypercomplex mathematics"; the derivative's norm by its split into two complex numbers (Rochon 2000).
-#include "fractal/orbit.glsl"
+#include "fractal/fourth.glsl"
 
 uniform vec4 constant; //! (-0.5, 0.5, 0.15, 0.2) [-2, 2] step 0.01 | The constant c of Julia sets
 uniform int kind;      //! julia {julia, mandelbrot} invalidates program | One constant everywhere, or the point itself
@@ -8,16 +8,7 @@ uniform float slice;   //! 0 [-1.5, 1.5] step 0.01 | The fourth coordinate of ev
 uniform int iterations; //! 14 [1, 100] | Most iterations of the map
 uniform float bailout; //! 4 [3, 100] log | Escape radius
 
-void start(inout Orbit orbit) {
-    orbit.w = slice;
-    orbit.cw = slice;
-    if (kind == 0 || orbit.dc == 0.0) {
-        // A Julia constant of the subject's own takes the place of the first three components.
-        if (orbit.dc != 0.0) orbit.c = constant.xyz;
-        orbit.cw = constant.w;
-        orbit.dc = 0.0;
-    }
-}
+void start(inout Orbit orbit) { fourth_start(orbit, kind == 0, constant, slice); }
 
 void iterate(inout Orbit orbit) {
     vec3 z = orbit.z;

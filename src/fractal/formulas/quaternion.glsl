@@ -1,6 +1,6 @@
 /// Quaternion Julia sets: q -> q^2 + c, seen in the three-dimensional slice k = const.
 /// Norton (1982); Hart, Sandin & Kauffman (1989), "Ray tracing deterministic 3-D fractals", with the distance 0.5 r ln(r) / |dr|.
-#include "fractal/orbit.glsl"
+#include "fractal/fourth.glsl"
 
 uniform vec4 constant; //! (-0.2, 0.6, 0.2, 0.2) [-2, 2] step 0.01 | The constant c: real part, i, j, k
 uniform int kind;      //! julia {julia, mandelbrot} invalidates program | One constant everywhere, or the point itself (the Mandelbrot set, turned about its axis)
@@ -8,16 +8,7 @@ uniform float slice;   //! 0 [-1.5, 1.5] step 0.01 | The fourth coordinate k of 
 uniform int iterations; //! 12 [1, 100] | Most iterations of the map
 uniform float bailout; //! 4 [3, 100] log | Escape radius
 
-void start(inout Orbit orbit) {
-    orbit.w = slice;
-    orbit.cw = slice;
-    if (kind == 0 || orbit.dc == 0.0) {
-        // A Julia constant of the subject's own takes the place of the first three components.
-        if (orbit.dc != 0.0) orbit.c = constant.xyz;
-        orbit.cw = constant.w;
-        orbit.dc = 0.0;
-    }
-}
+void start(inout Orbit orbit) { fourth_start(orbit, kind == 0, constant, slice); }
 
 void iterate(inout Orbit orbit) {
     vec3 z = orbit.z;
