@@ -88,6 +88,23 @@ bool surface_blocked(Hit hit, vec3 normal, vec3 direction, float t_max) {
     return surface_trace(Ray(surface_leave(hit, normal), direction, 0.0, t_max, hit.footprint, 0.0), other);
 }
 
+// A march in one step: empty bricks are leapt over within the trace, which nothing would be gained by taking apart.
+March surface_march(Hit hit, vec3 normal) {
+    return March(surface_leave(hit, normal), normal, 0.0, 0.0, hit.footprint, 0.0, 0.0, 0.0, 1);
+}
+
+void surface_march_to(inout March march, vec3 direction, float t_max) {
+    march.direction = direction;
+    march.t_max = t_max;
+}
+
+int surface_march_on(inout March march) {
+    if (march.t_max <= 0.0) return march_free;
+    Hit other;
+    Ray ray = Ray(march.origin, march.direction, 0.0, march.t_max, march.threshold, 0.0);
+    return surface_trace(ray, other) ? march_blocked : march_free;
+}
+
 float surface_visibility(Hit hit, vec3 normal, vec3 direction, float t_max, float spread) {
     return surface_blocked(hit, normal, direction, t_max) ? 0.0 : 1.0;
 }

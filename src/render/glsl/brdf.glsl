@@ -13,12 +13,15 @@ float brdf_exponent(Material m) {
     return max(2.0 / (alpha * alpha) - 2.0, 0.0);
 }
 
+// A power of a cosine, 0 below the horizon. By itself: pow(0, 0) is undefined in GLSL, and no number on some GPUs.
+float brdf_power(float cosine, float exponent) { return cosine > 0.0 ? pow(cosine, exponent) : 0.0; }
+
 // Phong's model, normalised so that it conserves energy (Phong 1975; Lafortune & Willems 1994, eq. 8).
 vec3 brdf_phong(Material m, vec3 n, vec3 v, vec3 l) {
     float cosine = max(dot(n, l), 0.0);
     float exponent = brdf_exponent(m);
     vec3 f0 = brdf_f0(m);
-    float lobe = pow(max(dot(reflect(-l, n), v), 0.0), exponent) * (exponent + 2.0) * 0.159154943;
+    float lobe = brdf_power(dot(reflect(-l, n), v), exponent) * (exponent + 2.0) * 0.159154943;
     return (m.albedo * (1.0 - f0) * ((1.0 - m.metalness) * 0.318309886) + f0 * lobe) * cosine;
 }
 
@@ -128,7 +131,7 @@ float brdf_pdf(int model, float gloss, Material m, vec3 n, vec3 v, vec3 l) {
     float lobe;
     if (model == 1) {
         float exponent = brdf_exponent(m);
-        lobe = pow(max(dot(reflect(-v, n), l), 0.0), exponent) * (exponent + 1.0) * 0.159154943;
+        lobe = brdf_power(dot(reflect(-v, n), l), exponent) * (exponent + 1.0) * 0.159154943;
     } else {
         float nv = max(dot(n, v), 1e-3);
         float a2 = brdf_alpha(m) * brdf_alpha(m);

@@ -20,5 +20,6 @@ void kernel_main(ivec2 pixel, out vec4 result) {
         if (d < probe_nearest * distance_here) break;
         t = next;
     }
-    result = vec4(distance_here, way > 0.0 ? t / way : 1.0, 0.0, 1.0);
+    // Exactly 1 where all of the way is free: on GPUs a quotient of equal numbers may miss it.
+    result = vec4(distance_here, t < way ? t / way : 1.0, 0.0, 1.0);
 }

@@ -61,7 +61,8 @@ vec3 lit(ivec2 pixel, Hit hit, Material m, vec3 n, vec3 v) {
                 more = begun < occlusion_rays;
                 float z = 2.0 * fract(u.x + float(begun) / float(occlusion_rays)) - 1.0;
                 vec3 l = n * 1.0001 + vec3(sqrt(max(1.0 - z * z, 0.0)) * turn, z);
-                surface_march_to(march, normalize(l), 1e30);
+                // After the last ray the others of the group go on alone.
+                surface_march_to(march, normalize(l), more ? 1e30 : 0.0);
                 turn = vec2(-0.737368878 * turn.x + 0.675490294 * turn.y, -0.675490294 * turn.x - 0.737368878 * turn.y);
                 ++begun;
             }
