@@ -113,7 +113,8 @@ TransferTable transferTable(const TransferFunction& function, const DataRange& r
     for (const TransferShape& shape : absolute.shapes) // a steeper gradient than the data's own scale may be meant
         if (shape.kind != TransferShape::Kind::Gaussian)
             table.gradientHigh = std::max(table.gradientHigh, shape.center.y + 0.5 * shape.size.y);
-    // A window without width has one: a part of the data's range that floats can divide by, and multiply gradients with.
+    // A window without width has one: a part of the data's range that floats can divide by, and multiply gradients
+    // with.
     const double extent = range.maximum > range.minimum ? range.maximum - range.minimum : 1.0;
     const double narrowest = 1e-6 * std::max({extent, std::abs(table.low), 1e-20});
     if (!(table.high - table.low > narrowest)) table.high = table.low + narrowest;
