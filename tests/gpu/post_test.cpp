@@ -102,6 +102,46 @@ TEST(Effects, bloom_spreads_light_but_makes_none) {
     expectFlat(rendered(scene)->picture(), srgb(0.4), 2e-6);
 }
 
+TEST(Effects, bloom_around_a_bright_point_is_the_kernel_of_a_lens) {
+    // A tiny ball in the dark, its own light everything there is.
+    constexpr int kSize = 256;
+    scene::Scene scene = darkSphere({kSize, kSize});
+    scene.subject.set("formula", formulaOf("length(p) - 0.012", 2.0));
+    setAll(scene, {{"subject.emission", "1"},
+                   {"renderer.shadow", "none"},
+                   {"renderer.ambient_occlusion", "none"},
+                   {"output.samples", "1"},
+                   {"post.effects", R"([{"type": "bloom", "strength": 1, "radius": 0.04}])"}});
+    const auto session = rendered(scene);
+    const Image<float> before = session->layers().radiance;
+    double light = 0.0;
+    glm::dvec2 middle(0.0);
+    for (int y = 0; y < kSize; ++y) {
+        for (int x = 0; x < kSize; ++x) {
+            light += before.at(x, y)[0];
+            middle += static_cast<double>(before.at(x, y)[0]) * glm::dvec2(x, y);
+        }
+    }
+    ASSERT_GT(light, 0.0);
+    middle /= light;
+    // Exposed so that sRGB's curve is left below its clip.
+    const double s = 0.04 * kSize;
+    const double peak = light / (glm::pi<double>() * s * s);
+    session->set("post.exposure", std::string_view(fmt::format("{}", std::log2(0.9 / peak))));
+    const Image<float> after = session->picture();
+    const auto linear = [](double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); };
+    for (int y = 0; y < kSize; ++y) {
+        for (int x = 0; x < kSize; ++x) {
+            const double r = glm::length(glm::dvec2(x, y) - middle) / s;
+            const double expected = 0.9 / std::pow(1.0 + r * r, 2.0);
+            // Gaussians an octave apart, each sampled on a grid of its own, follow the kernel to a third of it, over
+            // the three decades that it falls here; at the border, where what is beyond is taken to be as the border
+            // is, it is more by less than a thousandth of the peak.
+            ASSERT_NEAR(linear(after.at(x, y)[0]), expected, 0.37 * expected + 0.0009) << x << "," << y;
+        }
+    }
+}
+
 TEST(Effects, vignette_is_the_cosine_to_the_fourth) {
     scene::Scene scene = flat(0.4);
     setAll(scene, {{"post.effects", R"([{"type": "vignette", "strength": 1}])"}});
