@@ -25,6 +25,21 @@ bool isWhole(std::string_view text) {
     return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
+/// @param text a number of bytes such as 800000, 64K, 256M or 2G, of which a K is 1024
+void setMemory(parameter::Node& subject, const std::string& text) {
+    if (subject.schema().find("memory") == nullptr)
+        throw Error(ErrorKind::BadInput, "a " + subject.type().name + " has no limit of memory", "--memory");
+    const std::string units = "KMG";
+    const std::size_t unit = text.empty() ? std::string::npos : units.find(text.back());
+    const bool none = unit == std::string::npos;
+    const std::optional<double> number = parameter::parseNumber(none ? text : text.substr(0, text.size() - 1));
+    if (!number || !(*number > 0.0))
+        throw Error(ErrorKind::BadInput, "expected a number of bytes such as 256M or 2G, got " + inQuotes(text),
+                    "--memory");
+    const double mebibytes = std::ldexp(*number, none ? -20 : 10 * static_cast<int>(unit) - 10);
+    set(subject, "memory", fmt::format("{}", mebibytes), "--memory [MiB]");
+}
+
 void setSize(parameter::Node& output, const std::string& text) {
     const std::size_t x = text.find('x');
     const std::string width = text.substr(0, x);
@@ -46,6 +61,8 @@ void SceneOptions::addTo(CLI::App& command) {
     add("--time", time, "SECONDS", "Render for so long; alone, as many samples as fit (output.time)");
     add("--noise", noise, "TARGET", "Render until the estimated relative error is below (output.noise)");
     add("--seed", seed, "K", "Start of all random numbers (output.seed)");
+    add("--memory", memory, "BYTES",
+        "Most memory for a volume's voxels or a terrain's tiles, such as 256M or 2G (subject.memory, in MiB)");
     add("--first-sample", firstSample, "K", "Index of the first sample, to divide work (output.first_sample)");
     command.add_option("--set", sets, "Set any parameter (see 'apeiron schema'), such as subject.power=9; repeatable")
         ->type_name("PATH=VALUE")
@@ -65,6 +82,7 @@ void SceneOptions::apply(scene::Scene& scene) const {
             throw error.at("--set");
         }
     }
+    if (memory) setMemory(scene.subject, *memory);
     parameter::Node& output = scene.output;
     if (size) setSize(output, *size);
     if (samples) set(output, "samples", *samples, "--samples");

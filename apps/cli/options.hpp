@@ -15,7 +15,7 @@ namespace apeiron::cli {
 
 /// Edits of the scene from the command line. Values are checked by the scene's own schema.
 struct SceneOptions {
-    std::optional<std::string> size, samples, time, noise, seed, firstSample;
+    std::optional<std::string> size, samples, time, noise, seed, firstSample, memory;
     std::vector<std::string> sets; ///< path=value
 
     void addTo(CLI::App& command);

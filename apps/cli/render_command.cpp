@@ -57,6 +57,7 @@ Plan makePlan(const RenderOptions& options) {
     plan.budget = 1e-3 * positiveNumber("--budget", options.budget);
     plan.context = options.device.context();
     plan.session.stage = options.device.chosenStage();
+    plan.session.wholeData = true; // what would come of a part of it is not looked at
     if (!options.tile.empty()) plan.session.tilePixels = wholeNumber("--tile", options.tile, 1, std::int64_t{1} << 40);
     return plan;
 }

@@ -88,13 +88,19 @@ void Texture3D::setLinear(bool linear) {
 }
 
 void Texture3D::upload(std::span<const std::byte> texels, int first, int slices) {
+    upload(texels, glm::ivec3(0, 0, first), glm::ivec3(size_.x, size_.y, slices));
+}
+
+void Texture3D::upload(std::span<const std::byte> texels, glm::ivec3 first, glm::ivec3 size) {
     const TexelLayout f = info(format_);
-    assert(first >= 0 && slices >= 0 && first + slices <= size_.z);
-    assert(texels.size() == static_cast<std::size_t>(size_.x) * static_cast<std::size_t>(size_.y) *
-                                static_cast<std::size_t>(slices) * static_cast<std::size_t>(f.bytes));
+    assert(glm::all(glm::greaterThanEqual(glm::min(first, size), glm::ivec3(0))));
+    assert(glm::all(glm::lessThanEqual(first + size, size_)));
+    assert(texels.size() == static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
+                                static_cast<std::size_t>(size.z) * static_cast<std::size_t>(f.bytes));
     glBindTexture(GL_TEXTURE_3D, name_);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, first, size_.x, size_.y, slices, f.format, f.type, texels.data());
+    glTexSubImage3D(GL_TEXTURE_3D, 0, first.x, first.y, first.z, size.x, size.y, size.z, f.format, f.type,
+                    texels.data());
     glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
 }
 

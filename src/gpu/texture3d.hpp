@@ -44,6 +44,9 @@ class Texture3D {
     /// single floats, 32-bit integers).
     void upload(std::span<const std::byte> texels, int first, int slices);
 
+    /// Sets a box of texels, likewise. @pre it is inside
+    void upload(std::span<const std::byte> texels, glm::ivec3 first, glm::ivec3 size);
+
   private:
     unsigned name_ = 0;
     GridFormat format_ = GridFormat::R8;

@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "io/volume_kind.hpp"
+#include "io/volume_parts.hpp"
 #include "io/volume_stream.hpp"
 #include "volume/raw.hpp"
 
@@ -31,11 +32,6 @@ struct Close {
 };
 using File = std::unique_ptr<std::FILE, Close>;
 
-std::size_t limitOf(const VolumeRequest& request) {
-    // Something is left for everything else, and for the copy on the GPU.
-    return request.memory != 0 ? request.memory : availableMemory() / 10 * 8;
-}
-
 Volume readRaw(const VolumeRequest& request) {
     const volume::RawForm form = volume::parseRawForm(request.raw);
     const std::string where = request.file.string();
@@ -43,10 +39,10 @@ Volume readRaw(const VolumeRequest& request) {
     const std::uintmax_t there = fs::file_size(request.file, error);
     if (error) throw Error(ErrorKind::Io, "cannot be read: " + error.message(), where);
     try {
-        const std::uint64_t wanted = form.offset + volume::byteSize(form, limitOf(request));
+        const std::uint64_t wanted = form.offset + volume::byteSize(form, memoryFor(request));
         if (there < wanted)
             throw Error(ErrorKind::BadInput, fmt::format("has {} bytes, and {} needs {}", there, request.raw, wanted));
-        Volume volume = volume::makeVolume(form, limitOf(request));
+        Volume volume = volume::makeVolume(form, memoryFor(request));
         const File file(std::fopen(request.file.c_str(), "rb"));
         if (!file || fseeko(file.get(), static_cast<off_t>(form.offset), SEEK_SET) != 0 ||
             std::fread(volume.voxels.data(), 1, volume.voxels.size(), file.get()) != volume.voxels.size())
@@ -142,6 +138,11 @@ std::size_t availableMemory() {
     return std::size_t{4} << 30;
 }
 
+std::size_t memoryFor(const VolumeRequest& request) {
+    // Something is left for everything else, and for the copy on the GPU.
+    return request.memory != 0 ? request.memory : availableMemory() / 10 * 8;
+}
+
 Volume readVolume(const VolumeRequest& request) {
     const std::string where = request.file.string();
     std::error_code error;
@@ -150,7 +151,7 @@ Volume readVolume(const VolumeRequest& request) {
     if (fs::is_regular_file(request.file, error) && !volumeKind(request.file))
         throw Error(ErrorKind::Io, "is no volume that can be read", where,
                     "known: NRRD, MetaImage, NIfTI, DICOM, TIFF, OpenVDB; of bare voxels say the form");
-    const std::size_t limit = limitOf(request);
+    const std::size_t limit = memoryFor(request);
     const Reader reader(readerProgram(), request, limit);
     try {
         return receiveVolume(reader.from(), limit);
@@ -165,7 +166,7 @@ bool isVolume(const fs::path& path) {
 }
 
 void registerVolumeFiles() {
-    volume::setVolumeLoader(readVolume);
+    volume::setVolumeLoader(readVolume, openVolume);
 }
 
 } // namespace apeiron::io

@@ -24,4 +24,7 @@ void registerVolumeFiles();
 /// Memory that the machine has to spare [bytes].
 std::size_t availableMemory();
 
+/// What a request's voxels may take: what it says, or a large part of what there is to spare [bytes].
+std::size_t memoryFor(const volume::VolumeRequest& request);
+
 } // namespace apeiron::io

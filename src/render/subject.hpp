@@ -50,6 +50,9 @@ class Subject {
   public:
     virtual ~Subject() = default;
 
+    /// Whether the next update() does all there is to do, however long it takes: for pictures that nobody watches.
+    virtual void setPatient(bool /*patient*/) {}
+
     /// Makes ready what a scene names (data, tables), before the functions below are called for it. Nothing changes
     /// when it throws. @throws Error
     virtual void prepare(const gpu::Context& /*context*/, const scene::Scene& /*scene*/) {}

@@ -126,6 +126,7 @@ void Session::apply(parameter::Invalidates what, bool sizeChanged) {
             for (const render::SubjectType& type : subjectTypes()) {
                 if (type.node.name == name) subject = type.create();
             }
+            if (subject) subject->setPatient(options_.wholeData);
         }
         render::Subject& current = subject ? *subject : *subject_;
         if (what == Invalidates::Program || what == Invalidates::Samples || subject) {

@@ -31,6 +31,8 @@ struct Options {
     int interleave = 1;
     /// After a move of the camera, pixels that are not computed yet show what the picture before has of them.
     bool reproject = true;
+    /// All data is there before the first sample, instead of coming in while there is a coarser picture.
+    bool wholeData = false;
 };
 
 /// What a step did.

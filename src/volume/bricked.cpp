@@ -4,26 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <cstring>
 #include <tuple>
 
 namespace apeiron::volume {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-void widen(ValueRange& range, const ValueRange& other) {
-    range.low = std::min(range.low, other.low);
-    range.high = std::max(range.high, other.high);
-}
-
-std::size_t indexIn(glm::ivec3 size, glm::ivec3 p) {
-    return (static_cast<std::size_t>(p.z) * static_cast<std::size_t>(size.y) + static_cast<std::size_t>(p.y)) *
-               static_cast<std::size_t>(size.x) +
-           static_cast<std::size_t>(p.x);
-}
-
-std::size_t volumeOf(glm::ivec3 size) {
+std::size_t voxelsIn(glm::ivec3 size) {
     return static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z);
 }
 
@@ -31,12 +18,63 @@ glm::ivec3 dividedUp(glm::ivec3 a, int b) {
     return (a + (b - 1)) / b;
 }
 
-/// Calls `use` for every place in a box, x fastest.
-template <class Use> void forEach(glm::ivec3 first, glm::ivec3 end, const Use& use) {
-    for (int z = first.z; z < end.z; ++z)
-        for (int y = first.y; y < end.y; ++y)
-            for (int x = first.x; x < end.x; ++x)
-                use(glm::ivec3(x, y, z));
+/// Adds up rows of voxels to those of a coarser level.
+class Coarser {
+  public:
+    /// @param first of the row in voxels of level 0 @param count of voxels of level 0
+    Coarser(int level, int first, int count) : level_(level) {
+        for (int x = 0; x < count;) {
+            const int end = std::min((((first + x) >> level) + 1) << level, first + count) - first;
+            lengths_.push_back(end - x);
+            x = end;
+        }
+    }
+    int width() const { return static_cast<int>(lengths_.size()); }
+    /// @param sums of width() voxels
+    void addRow(const float* row, double* sums) const {
+        for (const int length : lengths_) {
+            // Few values: single precision holds their sum.
+            float sum = 0.0F;
+            for (int i = 0; i < length; ++i)
+                sum += row[i];
+            row += length;
+            *sums++ += static_cast<double>(sum);
+        }
+    }
+    /// @param voxels of level 0 that were added in every column
+    void divide(const double* sums, int rows, float* means) const {
+        for (std::size_t x = 0; x < lengths_.size(); ++x)
+            means[x] = static_cast<float>(sums[x] / (static_cast<double>(rows) * lengths_[x]));
+    }
+
+  private:
+    int level_;
+    std::vector<int> lengths_; ///< of what a voxel of the level covers
+};
+
+/// Stores values in a volume's own type, rounded where that has whole numbers.
+void store(Volume& volume, std::size_t first, const std::vector<float>& values) {
+    const auto put = [&](auto* to, const auto& convert) {
+        for (const float value : values)
+            *to++ = convert(value);
+    };
+    const auto whole = [&]<class Word>(Word* to) {
+        put(to, [](float value) { return static_cast<Word>(std::floor(value + 0.5F)); });
+    };
+    switch (volume.type) {
+    case VoxelType::UInt8:
+        return whole(mutableVoxels<std::uint8_t>(volume, first));
+    case VoxelType::Int8:
+        return whole(mutableVoxels<std::int8_t>(volume, first));
+    case VoxelType::UInt16:
+        return whole(mutableVoxels<std::uint16_t>(volume, first));
+    case VoxelType::Int16:
+        return whole(mutableVoxels<std::int16_t>(volume, first));
+    case VoxelType::Float16:
+        return put(mutableVoxels<Half>(volume, first), toHalf);
+    case VoxelType::Float32:
+        return put(mutableVoxels<float>(volume, first), [](float value) { return value; });
+    }
 }
 
 } // namespace
@@ -46,47 +84,11 @@ bool BrickKey::operator<(const BrickKey& other) const {
            std::tie(other.level, other.brick.z, other.brick.y, other.brick.x);
 }
 
-BoxReader boxReader(std::shared_ptr<const Volume> volume, int channel, int time) {
-    return [volume = std::move(volume), channel, time](const VoxelBox& box, float* to) {
-        const auto slope = static_cast<float>(volume->slope);
-        const auto intercept = static_cast<float>(volume->intercept);
-        visitVoxels(*volume, channelOffset(*volume, channel, time), [&](const auto* voxels) {
-            for (int z = 0; z < box.size.z; ++z)
-                for (int y = 0; y < box.size.y; ++y) {
-                    const auto* from = voxels + indexIn(volume->size, box.first + glm::ivec3(0, y, z));
-                    for (int x = 0; x < box.size.x; ++x)
-                        *to++ = slope * number(from[x]) + intercept;
-                }
-        });
-    };
-}
-
-BrickPyramid::BrickPyramid(glm::ivec3 size, BoxReader read) : size_(size), read_(std::move(read)) {
-    Blocks finest;
-    finest.size = dividedUp(size_, kBlock);
-    finest.ranges.assign(volumeOf(finest.size), {kInfinity, -kInfinity});
-    std::vector<float> slab;
-    for (int z = 0; z < size_.z; z += kBlock) {
-        const VoxelBox box{{0, 0, z}, {size_.x, size_.y, std::min(kBlock, size_.z - z)}};
-        slab.resize(volumeOf(box.size));
-        read_(box, slab.data());
-        std::size_t at = 0;
-        forEach(glm::ivec3(0), box.size, [&](glm::ivec3 p) {
-            const float value = slab[at++];
-            widen(finest.ranges[indexIn(finest.size, {p.x / kBlock, p.y / kBlock, z / kBlock})], {value, value});
-        });
-    }
-    blocks_.push_back(std::move(finest));
-    while (glm::any(glm::greaterThan(sizeOf(levels() - 1), glm::ivec3(kEdge)))) {
-        const Blocks& finer = blocks_.back();
-        Blocks coarser;
-        coarser.size = dividedUp(finer.size, 2);
-        coarser.ranges.assign(volumeOf(coarser.size), {kInfinity, -kInfinity});
-        forEach(glm::ivec3(0), finer.size, [&](glm::ivec3 p) {
-            widen(coarser.ranges[indexIn(coarser.size, p / 2)], finer.ranges[indexIn(finer.size, p)]);
-        });
-        blocks_.push_back(std::move(coarser));
-    }
+int BrickPyramid::levels() const {
+    int count = 1;
+    while (glm::any(glm::greaterThan(sizeOf(count - 1), glm::ivec3(kEdge))))
+        ++count;
+    return count;
 }
 
 glm::ivec3 BrickPyramid::sizeOf(int level) const {
@@ -97,150 +99,120 @@ glm::ivec3 BrickPyramid::bricksOf(int level) const {
     return dividedUp(sizeOf(level), kEdge);
 }
 
-ValueRange BrickPyramid::range(const BrickKey& key) const {
-    const Blocks& blocks = blocks_[static_cast<std::size_t>(key.level)];
-    constexpr int kPerBrick = kEdge / kBlock;
-    // A block more on each side holds the voxel that interpolation looks at there.
-    const glm::ivec3 first = glm::max(key.brick * kPerBrick - 1, glm::ivec3(0));
-    const glm::ivec3 end = glm::min((key.brick + 1) * kPerBrick + 1, blocks.size);
-    ValueRange range{kInfinity, -kInfinity};
-    forEach(first, end, [&](glm::ivec3 p) { widen(range, blocks.ranges[indexIn(blocks.size, p)]); });
-    return range;
+std::size_t BrickPyramid::brickCount(int level) const {
+    return voxelsIn(bricksOf(level));
 }
 
-std::vector<float> BrickPyramid::values(const BrickKey& key) const {
+std::vector<float> brickValues(const LargeVolume& volume, const BrickKey& key, int channel, int time) {
+    constexpr int kStored = BrickPyramid::kStored;
+    const glm::ivec3 size = volume.form.size;
     const int scale = 1 << key.level;
-    const glm::ivec3 levelSize = sizeOf(key.level);
-    const glm::ivec3 origin = key.brick * kEdge - 1;
+    const glm::ivec3 origin = key.brick * BrickPyramid::kEdge - 1;
     const glm::ivec3 first = glm::max(origin, glm::ivec3(0));
-    const glm::ivec3 end = glm::min(origin + kStored, levelSize);
+    const glm::ivec3 end = glm::min(origin + kStored, dividedUp(size, scale));
     const glm::ivec3 extent = end - first;
-    std::vector<float> means(volumeOf(extent));
-
-    // Of the coarse levels a brick covers much: read no more of it at once than a layer of their voxels.
-    std::vector<float> box;
-    for (int z = 0; z < extent.z; ++z) {
-        VoxelBox layer;
-        layer.first = scale * (first + glm::ivec3(0, 0, z));
-        layer.size = glm::min(scale * glm::ivec3(end.x, end.y, first.z + z + 1), size_) - layer.first;
-        box.resize(volumeOf(layer.size));
-        read_(layer, box.data());
+    std::vector<float> means(voxelsIn(extent));
+    if (key.level == 0) {
+        volume.read({first, extent}, channel, time, means.data());
+    } else {
+        // Of the coarse levels a brick covers much: no more of it is read at once than a layer of their voxels.
+        std::vector<float> box;
         std::vector<double> sums(static_cast<std::size_t>(extent.x) * static_cast<std::size_t>(extent.y));
-        std::vector<int> counts(sums.size());
-        std::size_t at = 0;
-        forEach(glm::ivec3(0), layer.size, [&](glm::ivec3 p) {
-            const std::size_t cell = indexIn(extent, {p.x >> key.level, p.y >> key.level, 0});
-            sums[cell] += static_cast<double>(box[at++]);
-            ++counts[cell];
-        });
-        for (std::size_t i = 0; i < sums.size(); ++i)
-            means[static_cast<std::size_t>(z) * sums.size() + i] = static_cast<float>(sums[i] / counts[i]);
+        for (int z = 0; z < extent.z; ++z) {
+            VoxelBox layer;
+            layer.first = scale * (first + glm::ivec3(0, 0, z));
+            layer.size = glm::min(scale * glm::ivec3(end.x, end.y, first.z + z + 1), size) - layer.first;
+            box.resize(voxelsIn(layer.size));
+            volume.read(layer, channel, time, box.data());
+            std::fill(sums.begin(), sums.end(), 0.0);
+            const Coarser coarser(key.level, layer.first.x, layer.size.x);
+            const float* row = box.data();
+            for (int k = 0; k < layer.size.z; ++k)
+                for (int y = 0; y < layer.size.y; ++y, row += layer.size.x)
+                    coarser.addRow(row, &sums[static_cast<std::size_t>((y >> key.level) * extent.x)]);
+            for (int y = 0; y < extent.y; ++y) {
+                const int rows = std::min(scale, layer.size.y - y * scale) * layer.size.z;
+                const auto at = static_cast<std::size_t>(y * extent.x);
+                coarser.divide(&sums[at], rows, &means[static_cast<std::size_t>(z) * sums.size() + at]);
+            }
+        }
     }
 
     std::vector<float> result;
-    result.reserve(volumeOf(glm::ivec3(kStored)));
-    forEach(origin, origin + kStored,
-            [&](glm::ivec3 p) { result.push_back(means[indexIn(extent, glm::clamp(p, first, end - 1) - first)]); });
+    result.reserve(BrickPyramid::kStoredVoxels);
+    for (int z = 0; z < kStored; ++z)
+        for (int y = 0; y < kStored; ++y)
+            for (int x = 0; x < kStored; ++x) {
+                const glm::ivec3 at = glm::clamp(origin + glm::ivec3(x, y, z), first, end - 1) - first;
+                result.push_back(means[static_cast<std::size_t>((at.z * extent.y + at.y) * extent.x + at.x)]);
+            }
     return result;
 }
 
-int BrickPyramid::levelThatFits(std::size_t bytes) const {
-    int level = 0;
-    while (level + 1 < levels() && volumeOf(bricksOf(level)) > bytes / brickBytes())
-        ++level;
-    return level;
-}
-
-std::vector<BrickKey> BrickPyramid::bricksAlong(glm::dvec3 origin, glm::dvec3 direction, double spread) const {
-    const glm::dvec3 d = glm::normalize(direction);
-    // Where a ray is parallel to an axis, infinity does the right thing, except at 0 * infinity.
-    const auto crossing = [&](glm::dvec3 low, glm::dvec3 high, double& near, double& far) {
-        for (int axis = 0; axis < 3; ++axis) {
-            if (d[axis] == 0) {
-                if (origin[axis] < low[axis] || origin[axis] >= high[axis]) far = -1;
-                continue;
-            }
-            const double a = (low[axis] - origin[axis]) / d[axis];
-            const double b = (high[axis] - origin[axis]) / d[axis];
-            near = std::max(near, std::min(a, b));
-            far = std::min(far, std::max(a, b));
+Survey survey(const LargeVolume& volume, int time, int level, int side) {
+    const glm::ivec3 size = volume.form.size;
+    const glm::ivec3 coarse = BrickPyramid(size).sizeOf(level);
+    Survey result;
+    result.level = level;
+    Volume& overview = result.overview;
+    overview = volume.form;
+    overview.size = coarse;
+    overview.timePoints = 1;
+    overview.indexToWorld = coarserIndexToWorld(volume.form.indexToWorld, level);
+    overview.voxels.resize(
+        byteSize(coarse, overview.type, overview.channels, 1, std::numeric_limits<std::size_t>::max()));
+    const Coarser coarser(level, 0, size.x);
+    const std::size_t plane = static_cast<std::size_t>(coarse.x) * static_cast<std::size_t>(coarse.y);
+    std::vector<double> sums(plane, 0.0);
+    std::vector<float> means(plane);
+    const auto read = [&](int channel, int z, std::span<float> out) {
+        volume.read({{0, 0, z}, {size.x, size.y, 1}}, channel, time, out.data());
+        for (int y = 0; y < size.y; ++y)
+            coarser.addRow(&out[static_cast<std::size_t>(y) * static_cast<std::size_t>(size.x)],
+                           &sums[static_cast<std::size_t>((y >> level) * coarse.x)]);
+        const int layer = z >> level;
+        if (z + 1 < size.z && (z + 1) >> level == layer) return;
+        const int slices = z + 1 - (layer << level);
+        for (int y = 0; y < coarse.y; ++y) {
+            const auto at = static_cast<std::size_t>(y * coarse.x);
+            coarser.divide(&sums[at], std::min(1 << level, size.y - (y << level)) * slices, &means[at]);
         }
+        store(overview, channelOffset(overview, channel, 0) + static_cast<std::size_t>(layer) * plane, means);
+        std::fill(sums.begin(), sums.end(), 0.0);
     };
-    double t = 0;
-    double end = std::numeric_limits<double>::max();
-    crossing(glm::dvec3(0), glm::dvec3(size_), t, end);
-
-    std::vector<BrickKey> keys;
-    // A step over a border lands behind it: a thousandth of a voxel is nothing to see, and far more than rounding.
-    constexpr double kStep = 1e-3;
-    t += kStep;
-    while (t < end) {
-        const double width = spread * t;
-        const int level = std::clamp(width > 1 ? static_cast<int>(std::floor(std::log2(width))) : 0, 0, levels() - 1);
-        const int edge = kEdge << level;
-        const glm::ivec3 voxel = glm::clamp(glm::ivec3(glm::floor(origin + t * d)), glm::ivec3(0), size_ - 1);
-        const BrickKey key{level, voxel / edge};
-        if (keys.empty() || !(keys.back() == key)) keys.push_back(key);
-        double near = 0;
-        double far = end;
-        crossing(glm::dvec3(key.brick * edge), glm::dvec3((key.brick + 1) * edge), near, far);
-        t = std::max(t, far) + kStep;
-    }
-    return keys;
+    result.ranges = brickRanges(size, overview.channels, side, read);
+    return result;
 }
 
-BrickCache::BrickCache(const BrickPyramid& pyramid, std::size_t memory)
-    : pyramid_(pyramid), memory_(std::max(memory, BrickPyramid::brickBytes())),
-      baseLevel_(pyramid.levelThatFits(memory_ / 2)) {
-    request({});
-}
-
-void BrickCache::request(const std::vector<BrickKey>& wanted) {
-    wishes_.clear();
-    forEach(glm::ivec3(0), pyramid_.bricksOf(baseLevel_), [&](glm::ivec3 p) {
-        if (bricks_.count({baseLevel_, p}) == 0) wishes_.push_back({baseLevel_, p});
-    });
-    for (const BrickKey& key : wanted)
-        if (key.level < baseLevel_) wishes_.push_back(key);
-}
-
-bool BrickCache::makeRoom(const std::map<BrickKey, int>& keep) {
-    while (bytes() + BrickPyramid::brickBytes() > memory_) {
-        // What is wished for more urgently stays.
-        if (uses_.empty() || keep.count(uses_.back()) != 0) return false;
-        bricks_.erase(uses_.back());
-        uses_.pop_back();
-    }
-    return true;
-}
-
-int BrickCache::load(int most) {
-    int loaded = 0;
-    std::map<BrickKey, int> keep;
-    for (const BrickKey& key : wishes_) {
-        if (loaded >= most) break;
-        keep.emplace(key, 0);
-        if (const auto found = bricks_.find(key); found != bricks_.end()) {
-            if (!isBase(key)) uses_.splice(uses_.begin(), uses_, found->second.use);
-            continue;
+BrickRanges coarserRanges(const BrickRanges& ranges, int level) {
+    if (level == 0) return ranges;
+    // Interpolated between voxels of the level, of which each covers 2^l: at most 1.5 * 2^l to each side, of which a
+    // range holds one voxel already.
+    const int reach = (3 << level) / 2 - 1;
+    const int bricks = (reach + ranges.side - 1) / ranges.side;
+    BrickRanges result = ranges;
+    const std::array<std::size_t, 3> strides{1, static_cast<std::size_t>(ranges.size.x),
+                                             static_cast<std::size_t>(ranges.size.x) *
+                                                 static_cast<std::size_t>(ranges.size.y)};
+    std::vector<glm::vec2> line;
+    for (int axis = 0; axis < 3; ++axis) {
+        const int count = ranges.size[axis];
+        const std::size_t stride = strides[static_cast<std::size_t>(axis)];
+        line.resize(static_cast<std::size_t>(count));
+        for (std::size_t start = 0; start < result.ranges.size(); ++start) {
+            if (start / stride % static_cast<std::size_t>(count) != 0) continue;
+            for (int i = 0; i < count; ++i)
+                line[static_cast<std::size_t>(i)] = result.ranges[start + static_cast<std::size_t>(i) * stride];
+            for (int i = 0; i < count; ++i) {
+                glm::vec2& to = result.ranges[start + static_cast<std::size_t>(i) * stride];
+                for (int k = std::max(i - bricks, 0); k <= std::min(i + bricks, count - 1); ++k) {
+                    const glm::vec2 other = line[static_cast<std::size_t>(k)];
+                    to = {std::min(to.x, other.x), std::max(to.y, other.y)};
+                }
+            }
         }
-        if (!makeRoom(keep)) break;
-        Brick brick{pyramid_.values(key), uses_.end()};
-        if (!isBase(key)) brick.use = uses_.insert(uses_.begin(), key);
-        bricks_.emplace(key, std::move(brick));
-        ++loaded;
     }
-    return loaded;
-}
-
-BrickCache::Found BrickCache::find(const BrickKey& key) {
-    for (BrickKey at = key; at.level < pyramid_.levels(); at = at.parent()) {
-        const auto found = bricks_.find(at);
-        if (found == bricks_.end()) continue;
-        if (!isBase(at)) uses_.splice(uses_.begin(), uses_, found->second.use);
-        return {at, &found->second.values};
-    }
-    return {};
+    return result;
 }
 
 } // namespace apeiron::volume

@@ -28,10 +28,10 @@ bool isByte(VoxelType type) {
 
 enum class Texel { Byte, Half, Single };
 
-Texel texelOf(const Volume& volume, const BrickRanges& ranges) {
-    if (isByte(volume.type)) return Texel::Byte;
-    if (volume.type == VoxelType::Float16) return Texel::Half;
-    if (volume.type == VoxelType::Float32) return Texel::Single;
+Texel texelOf(VoxelType type, const BrickRanges& ranges) {
+    if (isByte(type)) return Texel::Byte;
+    if (type == VoxelType::Float16) return Texel::Half;
+    if (type == VoxelType::Float32) return Texel::Single;
     // Half floats hold every whole number up to 2048.
     const bool exact = std::all_of(ranges.ranges.begin(), ranges.ranges.end(),
                                    [](glm::vec2 r) { return r.x >= -2048.0F && r.y <= 2048.0F; });
@@ -127,17 +127,22 @@ void readSlice(const Volume& volume, int time, int channel, int z, std::span<flo
 }
 
 BrickRanges brickRanges(const Volume& volume, int time, int side) {
+    return brickRanges(volume.size, volume.channels, side,
+                       [&](int channel, int z, std::span<float> out) { readSlice(volume, time, channel, z, out); });
+}
+
+BrickRanges brickRanges(glm::ivec3 size, int channels, int side, const SliceReader& read) {
     assert(side >= 1);
     BrickRanges result;
     result.side = side;
-    result.size = (volume.size + side - 1) / side;
-    result.channels = volume.channels;
+    result.size = (size + side - 1) / side;
+    result.channels = channels;
     const auto bricks = static_cast<std::size_t>(result.size.x) * static_cast<std::size_t>(result.size.y) *
                         static_cast<std::size_t>(result.size.z);
     constexpr float kMost = std::numeric_limits<float>::max();
-    result.ranges.assign(bricks * static_cast<std::size_t>(volume.channels), glm::vec2(kMost, -kMost));
-    const auto width = static_cast<std::size_t>(volume.size.x);
-    std::vector<float> values(sliceVoxels(volume));
+    result.ranges.assign(bricks * static_cast<std::size_t>(channels), glm::vec2(kMost, -kMost));
+    const auto width = static_cast<std::size_t>(size.x);
+    std::vector<float> values(width * static_cast<std::size_t>(size.y));
     // Of a row of voxels, by bricks; then of the rows of a slice. A voxel counts for every brick that it is next to.
     std::vector<glm::vec2> row(static_cast<std::size_t>(result.size.x));
     std::vector<glm::vec2> plane(row.size() * static_cast<std::size_t>(result.size.y));
@@ -146,11 +151,11 @@ BrickRanges brickRanges(const Volume& volume, int time, int side) {
     };
     const auto first = [&](int i) { return std::max((i - 1) / side, 0); };
     const auto last = [&](int i, int count) { return std::min((i + 1) / side, count - 1); };
-    for (int channel = 0; channel < volume.channels; ++channel) {
-        for (int z = 0; z < volume.size.z; ++z) {
-            readSlice(volume, time, channel, z, values);
+    for (int channel = 0; channel < channels; ++channel) {
+        for (int z = 0; z < size.z; ++z) {
+            read(channel, z, values);
             std::fill(plane.begin(), plane.end(), glm::vec2(kMost, -kMost));
-            for (int y = 0; y < volume.size.y; ++y) {
+            for (int y = 0; y < size.y; ++y) {
                 const float* line = &values[static_cast<std::size_t>(y) * width];
                 for (int b = 0; b < result.size.x; ++b) {
                     const auto begin = static_cast<std::size_t>(std::max(b * side - 1, 0));
@@ -174,47 +179,57 @@ BrickRanges brickRanges(const Volume& volume, int time, int side) {
     return result;
 }
 
-GridTexture uploadGrid(const gpu::Context& context, const Volume& volume, int time, const BrickRanges& ranges) {
-    const Texel texel = texelOf(volume, ranges);
-    const gpu::GridFormat format = formatOf(texel, volume.channels);
-    GridTexture grid;
-    grid.texture = gpu::Texture3D(context, format, volume.size, "volume " + volume.name);
+TexelForm texelForm(VoxelType type, const BrickRanges& ranges) {
+    const Texel texel = texelOf(type, ranges);
+    TexelForm form{formatOf(texel, ranges.channels)};
     if (texel == Texel::Byte) {
-        grid.scale = 255;
-        grid.offset = volume.type == VoxelType::Int8 ? -128 : 0;
+        form.scale = 255;
+        form.offset = type == VoxelType::Int8 ? -128 : 0;
     }
-    const auto stride = static_cast<std::size_t>(gpu::channelsOf(format));
+    return form;
+}
+
+void encodeTexels(const TexelForm& form, std::span<const float> values, std::span<std::byte> texels) {
+    const std::size_t bytes = static_cast<std::size_t>(gpu::bytesPerTexel(form.format)) /
+                              static_cast<std::size_t>(gpu::channelsOf(form.format));
+    assert(texels.size() == values.size() * bytes);
+    const auto offset = static_cast<float>(form.offset);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        std::byte* to = &texels[i * bytes];
+        if (bytes == 1) {
+            *to = static_cast<std::byte>(static_cast<int>(values[i] - offset + 0.5F));
+        } else if (bytes == 2) {
+            const Half half = toHalf(values[i]);
+            std::memcpy(to, &half.bits, sizeof half.bits);
+        } else {
+            std::memcpy(to, &values[i], sizeof(float));
+        }
+    }
+}
+
+gpu::Texture3D uploadGrid(const gpu::Context& context, const Volume& volume, int time, const TexelForm& form) {
+    gpu::Texture3D texture(context, form.format, volume.size, "volume " + volume.name);
+    const auto stride = static_cast<std::size_t>(gpu::channelsOf(form.format));
     const std::size_t count = sliceVoxels(volume) * stride;
-    const std::size_t bytes = static_cast<std::size_t>(gpu::bytesPerTexel(format)) / stride;
     std::vector<float> values(count);
-    std::vector<std::byte> texels(count * bytes);
+    std::vector<std::byte> texels(sliceVoxels(volume) * static_cast<std::size_t>(gpu::bytesPerTexel(form.format)));
     for (int z = 0; z < volume.size.z; ++z) {
         if (stride == 1 && volume.type == VoxelType::UInt8) {
-            grid.texture.upload({volume.voxels.data() + sliceOffset(volume, time, 0, z), count}, z, 1);
+            texture.upload({volume.voxels.data() + sliceOffset(volume, time, 0, z), count}, z, 1);
             continue;
         }
         for (int channel = 0; channel < volume.channels; ++channel)
             readSlice(volume, time, channel, z, std::span(values).subspan(static_cast<std::size_t>(channel)), stride);
-        for (std::size_t i = 0; i < count; ++i) {
-            std::byte* to = &texels[i * bytes];
-            if (texel == Texel::Byte) {
-                *to = static_cast<std::byte>(static_cast<int>(values[i]) - static_cast<int>(grid.offset));
-            } else if (texel == Texel::Half) {
-                const Half half = toHalf(values[i]);
-                std::memcpy(to, &half.bits, sizeof half.bits);
-            } else {
-                std::memcpy(to, &values[i], sizeof(float));
-            }
-        }
-        grid.texture.upload(texels, z, 1);
+        encodeTexels(form, values, texels);
+        texture.upload(texels, z, 1);
     }
     context.check("uploading the volume");
-    return grid;
+    return texture;
 }
 
 std::optional<gpu::Texture3D> uploadCorners(const gpu::Context& context, const Volume& volume, int time,
                                             const BrickRanges& ranges, std::size_t limit) {
-    const Texel texel = texelOf(volume, ranges);
+    const Texel texel = texelOf(volume.type, ranges);
     if (volume.channels != 1 || texel == Texel::Single) return std::nullopt;
     const glm::ivec3 size = volume.size + 1;
     const gpu::GridFormat format = texel == Texel::Byte ? gpu::GridFormat::RG32UI : gpu::GridFormat::RGBA32UI;

@@ -3,6 +3,7 @@
 #include "gpu/texture3d.hpp"
 #include "volume/volume.hpp"
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -25,16 +26,30 @@ void readSlice(const Volume& volume, int time, int channel, int z, std::span<flo
 /// @pre side >= 1
 BrickRanges brickRanges(const Volume& volume, int time, int side);
 
-/// A point of time of a volume on the GPU: exact copies of all its channels. Needs its context current.
-struct GridTexture {
-    gpu::Texture3D texture;
+/// Reads a slice of a channel as readSlice() does, one value after the other.
+using SliceReader = std::function<void(int channel, int z, std::span<float> out)>;
+
+/// Of data that are read once, slice by slice from the first to the last of each channel. @pre side >= 1
+BrickRanges brickRanges(glm::ivec3 size, int channels, int side, const SliceReader& read);
+
+/// How voxels are kept on the GPU: 8-bit data as normalised bytes, 16-bit data as half floats where all values are
+/// such, else single floats.
+struct TexelForm {
+    gpu::GridFormat format = gpu::GridFormat::R8;
     double scale = 1; ///< stored value = scale * texel + offset
     double offset = 0;
 };
 
-/// 8-bit data become normalised bytes; 16-bit data half floats where all values are such, else single floats.
+/// @param ranges of all voxels
+TexelForm texelForm(VoxelType type, const BrickRanges& ranges);
+
+/// Texels of stored values, those of channels interleaved; what lies between whole numbers is rounded for bytes.
+/// @param texels as many values in the form's own type
+void encodeTexels(const TexelForm& form, std::span<const float> values, std::span<std::byte> texels);
+
+/// A point of time of a volume on the GPU: exact copies of all its channels. Needs its context current.
 /// @throws Error (BadInput) when it is larger than the device's textures, (Gpu) when memory runs out.
-GridTexture uploadGrid(const gpu::Context& context, const Volume& volume, int time, const BrickRanges& ranges);
+gpu::Texture3D uploadGrid(const gpu::Context& context, const Volume& volume, int time, const TexelForm& form);
 
 /// The same values with all eight voxels of an interpolation in one texel (values_corners.glsl); nothing for volumes of
 /// several channels, of single floats, and those for which it would take more than `limit` bytes.

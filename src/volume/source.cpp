@@ -17,6 +17,7 @@ struct Loaded {
 
 struct Sources {
     VolumeLoader loader;
+    VolumeOpener opener;
     std::map<std::string, std::shared_ptr<const Volume>> provided;
     std::vector<Loaded> loaded;
     std::shared_ptr<const Volume> latest;
@@ -35,9 +36,10 @@ std::filesystem::file_time_type lastWritten(const std::filesystem::path& path) {
 
 } // namespace
 
-void setVolumeLoader(VolumeLoader loader) {
+void setVolumeLoader(VolumeLoader loader, VolumeOpener opener) {
     Sources& all = sources();
     all.loader = std::move(loader);
+    all.opener = std::move(opener);
     all.loaded.clear();
     all.latest.reset();
 }
@@ -78,6 +80,12 @@ std::shared_ptr<const Volume> loadVolume(const VolumeRequest& request) {
     all.loaded.push_back({request, written, volume});
     all.latest = volume;
     return volume;
+}
+
+std::optional<LargeVolume> openVolume(const VolumeRequest& request) {
+    const Sources& all = sources();
+    if (!all.opener || all.provided.count(request.file.string()) != 0) return std::nullopt;
+    return all.opener(request);
 }
 
 } // namespace apeiron::volume

@@ -1,10 +1,11 @@
 #pragma once
 
-#include "volume/volume.hpp"
+#include "volume/large.hpp"
 
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace apeiron::volume {
@@ -26,9 +27,13 @@ struct VolumeRequest {
 /// Reads a volume. @throws Error (Io, BadInput) that says what is wrong with the file.
 using VolumeLoader = std::function<Volume(const VolumeRequest&)>;
 
+/// Opens a volume for reading in parts, where it is larger than the request's memory; nothing where it is not, and
+/// where its format cannot be read that way. @throws Error (Io, BadInput) that says what is wrong with the file.
+using VolumeOpener = std::function<std::optional<LargeVolume>(const VolumeRequest&)>;
+
 /// The engine itself knows no files: a front end says once how volumes are read (natively io::readVolume).
 /// Process-wide, not thread-safe. Forgets what loadVolume() keeps.
-void setVolumeLoader(VolumeLoader loader);
+void setVolumeLoader(VolumeLoader loader, VolumeOpener opener = {});
 
 /// Gives a volume that is already in memory a name: from now on a request for the file of that name gives it, before
 /// any loader is asked. For pages, which have bytes and no files, and for tests. Null takes it away.
@@ -38,5 +43,8 @@ void provideVolume(const std::string& name, std::shared_ptr<const Volume> volume
 /// reads nothing, unless the file was written to in the meantime. Not thread-safe.
 /// @throws Error: what the loader throws; BadInput when no loader was set
 std::shared_ptr<const Volume> loadVolume(const VolumeRequest& request);
+
+/// What the opener makes of it; nothing for what is in memory already.
+std::optional<LargeVolume> openVolume(const VolumeRequest& request);
 
 } // namespace apeiron::volume

@@ -3,6 +3,8 @@
 #include "core/error.hpp"
 #include "gpu/texture3d.hpp"
 #include "render/view.hpp"
+#include "scene/camera.hpp"
+#include "volume/brick_stream.hpp"
 #include "volume/defaults.hpp"
 #include "volume/generators.hpp"
 #include "volume/grid.hpp"
@@ -26,9 +28,17 @@ constexpr const char* kClipFile = "volume/volume_clip.glsl";
 constexpr const char* kSurfaceFile = "volume/volume_surface.glsl";
 constexpr const char* kSampledFile = "volume/values_sampled.glsl";
 constexpr const char* kCornersFile = "volume/values_corners.glsl";
+constexpr const char* kBrickedFile = "volume/values_bricked.glsl";
 
 /// Copies for faster interpolation do not take more than this [bytes]: a volume of 320³ bytes has one.
 constexpr std::size_t kMostForCorners = std::size_t{288} << 20;
+
+/// What bricks of volumes that are larger than the device's textures take, where nobody says [bytes].
+#ifdef __EMSCRIPTEN__
+constexpr std::size_t kMemoryForBricks = std::size_t{256} << 20;
+#else
+constexpr std::size_t kMemoryForBricks = std::size_t{1} << 30;
+#endif
 
 /// What decides which voxels are shown, and how they are kept.
 struct Choice {
@@ -37,13 +47,14 @@ struct Choice {
     GeneratorOptions generator;
     int time = 0;
     int brick = 8;
+    std::size_t memory = 0; ///< for the voxels [bytes]; 0: as much as they need
 
     bool operator==(const Choice& other) const {
         const GeneratorOptions& a = generator;
         const GeneratorOptions& b = other.generator;
         return source == other.source && raw == other.raw && a.size == b.size && a.orbital.n == b.orbital.n &&
                a.orbital.l == b.orbital.l && a.orbital.m == b.orbital.m && a.phases == b.phases && a.seed == b.seed &&
-               time == other.time && brick == other.brick;
+               time == other.time && brick == other.brick && memory == other.memory;
     }
 };
 
@@ -59,6 +70,7 @@ Choice choiceOf(const scene::Scene& scene) {
     choice.generator.seed = static_cast<std::uint32_t>(subject.integer("seed"));
     choice.time = integer("time");
     choice.brick = 4 << subject.choice("brick");
+    choice.memory = static_cast<std::size_t>(std::ldexp(subject.number("memory"), 20));
     return choice;
 }
 
@@ -67,28 +79,41 @@ bool isGenerator(const std::string& name) {
     return std::any_of(all.begin(), all.end(), [&](const Generator& generator) { return generator.name == name; });
 }
 
-std::shared_ptr<const Volume> load(const Choice& choice) {
-    if (choice.raw.empty() && isGenerator(choice.source))
-        return std::make_shared<const Volume>(generate(choice.source, choice.generator));
+/// The voxels of a volume, in memory or where they can be read in parts.
+struct Data {
+    std::shared_ptr<const Volume> volume; ///< or ...
+    std::optional<LargeVolume> large;     ///< ... one that is larger than the memory
+};
+
+Data load(const Choice& choice) {
+    const auto generated = [&] {
+        return Data{std::make_shared<const Volume>(generate(choice.source, choice.generator)), {}};
+    };
+    if (choice.raw.empty() && isGenerator(choice.source)) return generated();
     // A word that looks like a name was meant as one: let the list of generators answer.
     if (choice.raw.empty() && choice.source.find_first_of("./\\") == std::string::npos) {
         try {
-            return loadVolume({choice.source, {}, {}, 0});
+            return {loadVolume({choice.source, {}, {}, 0}), {}};
         } catch (const Error&) {
-            return std::make_shared<const Volume>(generate(choice.source, choice.generator));
+            return generated();
         }
     }
-    return loadVolume({choice.source, choice.raw, {}, 0});
+    if (auto large = openVolume({choice.source, choice.raw, {}, choice.memory})) return {nullptr, std::move(large)};
+    return {loadVolume({choice.source, choice.raw, {}, 0}), {}};
 }
 
 /// A grid on the GPU and where it is in the world.
 struct Grid {
     Choice choice;
-    std::shared_ptr<const Volume> volume;
+    std::shared_ptr<const Volume> volume; ///< of a large one a coarser level
+    glm::ivec3 size{0};                   ///< voxels
+    glm::dmat4 indexToWorld{1.0};
     std::vector<DataRange> data; ///< of each channel
     Modality modality = Modality::Unknown;
     Json automatic; ///< the transfer function that "auto" stands for
-    GridTexture texture;
+    TexelForm form;
+    gpu::Texture3D texture;                ///< all of it, or ...
+    std::unique_ptr<BrickStream> stream;   ///< ... of a large volume what there is room for
     std::optional<gpu::Texture3D> corners; ///< on devices that are software
     BrickRanges ranges;
     glm::dmat3 toGrid{1.0}; ///< world -> grid, whose voxel (0, 0, 0) is the box from 0 to 1
@@ -98,20 +123,20 @@ struct Grid {
     bool turned = false;    ///< upright: half a turn about the world's y
 };
 
-glm::dmat4 indexToScene(const Grid& grid) {
-    const glm::dmat4& toWorld = grid.volume->indexToWorld;
+/// @param toWorld of the grid, or of another one at the same place
+glm::dmat4 indexToScene(const Grid& grid, const glm::dmat4& toWorld) {
     return grid.turned ? glm::dmat4(glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, -1)) * toWorld : toWorld;
 }
 
 void place(Grid& grid) {
-    const glm::dmat4 toWorld = indexToScene(grid);
+    const glm::dmat4 toWorld = indexToScene(grid, grid.indexToWorld);
     const glm::dmat3 axes(toWorld);
     if (!(std::abs(glm::determinant(axes)) > 0.0))
         throw Error(ErrorKind::BadInput, "the voxels have no size: the axes of the grid lie in a plane",
                     grid.volume->name);
     grid.toGrid = glm::inverse(axes);
     grid.origin = grid.toGrid * -glm::dvec3(toWorld[3]) + 0.5;
-    const glm::dvec3 size(grid.volume->size);
+    const glm::dvec3 size(grid.size);
     grid.longest = 0.0;
     grid.spacing = std::numeric_limits<double>::max();
     for (int i = 0; i < 3; ++i) {
@@ -141,7 +166,7 @@ render::Bounds boundsOf(const Grid& grid, const std::vector<float>& opacities) {
     }
     const glm::dmat3 axes = glm::inverse(grid.toGrid);
     const glm::dvec3 first(low * bricks.side);
-    const glm::dvec3 last(glm::min((high + 1) * bricks.side, grid.volume->size));
+    const glm::dvec3 last(glm::min((high + 1) * bricks.side, grid.size));
     glm::dvec3 extent(0.0);
     std::array<glm::dvec3, 8> corners{};
     for (std::size_t corner = 0; corner < 8; ++corner) {
@@ -162,26 +187,82 @@ render::Bounds boundsOf(const Grid& grid, const std::vector<float>& opacities) {
     return bounds;
 }
 
+/// Bytes of a volume in the form that the GPU has it in, and whether its textures are large enough.
+bool fitsWhole(const gpu::Context& context, const Volume& volume, const TexelForm& form, std::size_t memory) {
+    const glm::ivec3 size = volume.size;
+    if (std::max({size.x, size.y, size.z}) > context.capabilities().maxTextureSize3D) return false;
+    return memory == 0 ||
+           voxelsPerChannel(volume) * static_cast<std::size_t>(gpu::bytesPerTexel(form.format)) <= memory;
+}
+
+void requireTime(const Volume& volume, int time) {
+    if (time < volume.timePoints) return;
+    throw Error(ErrorKind::BadInput,
+                fmt::format("{} has {} point{} of time, counted from 0", volume.name, volume.timePoints,
+                            volume.timePoints == 1 ? "" : "s"),
+                "subject.time");
+}
+
+/// Puts the voxels on the GPU, all of them where there is room.
+void putVoxels(const gpu::Context& context, Grid& grid, Data data) {
+    const Choice& choice = grid.choice;
+    const std::size_t memory = choice.memory;
+    if (!data.large) {
+        requireTime(*data.volume, choice.time);
+        grid.ranges = brickRanges(*data.volume, choice.time, choice.brick);
+        grid.form = texelForm(data.volume->type, grid.ranges);
+        if (fitsWhole(context, *data.volume, grid.form, memory)) {
+            grid.volume = std::move(data.volume);
+            grid.size = grid.volume->size;
+            grid.indexToWorld = grid.volume->indexToWorld;
+            grid.texture = uploadGrid(context, *grid.volume, choice.time, grid.form);
+            if (!context.capabilities().software) return;
+            const std::size_t most = memory == 0 ? kMostForCorners : std::min(memory, kMostForCorners);
+            grid.corners = uploadCorners(context, *grid.volume, choice.time, grid.ranges, most);
+            return;
+        }
+        data.large = inParts(std::move(data.volume));
+    }
+    requireTime(data.large->form, choice.time);
+    grid.stream = std::make_unique<BrickStream>(context, std::move(*data.large), choice.time,
+                                                memory == 0 ? kMemoryForBricks : memory, choice.brick);
+    grid.volume = grid.stream->overview();
+    grid.size = grid.stream->volume().form.size;
+    grid.indexToWorld = grid.stream->volume().form.indexToWorld;
+    grid.ranges = grid.stream->ranges();
+    grid.form = grid.stream->form();
+}
+
+/// Means have lost the smallest and the largest values; ranges have them.
+void takeExtremes(Grid& grid) {
+    const BrickRanges& all = grid.ranges;
+    const std::size_t bricks = all.ranges.size() / static_cast<std::size_t>(all.channels);
+    for (std::size_t channel = 0; channel < grid.data.size(); ++channel) {
+        glm::vec2 range = all.ranges[channel * bricks];
+        for (std::size_t i = 0; i < bricks; ++i) {
+            const glm::vec2 one = all.ranges[channel * bricks + i];
+            range = {std::min(range.x, one.x), std::max(range.y, one.y)};
+        }
+        const double a = grid.volume->slope * static_cast<double>(range.x) + grid.volume->intercept;
+        const double b = grid.volume->slope * static_cast<double>(range.y) + grid.volume->intercept;
+        grid.data[channel].minimum = std::min(a, b);
+        grid.data[channel].maximum = a != b ? std::max(a, b) : a + 1.0;
+    }
+}
+
 std::shared_ptr<Grid> makeGrid(const gpu::Context& context, const Choice& choice) {
     auto grid = std::make_shared<Grid>();
     grid->choice = choice;
-    grid->volume = load(choice);
+    putVoxels(context, *grid, load(choice));
     const Volume& volume = *grid->volume;
-    if (choice.time >= volume.timePoints) {
-        throw Error(ErrorKind::BadInput,
-                    fmt::format("{} has {} point{} of time, counted from 0", volume.name, volume.timePoints,
-                                volume.timePoints == 1 ? "" : "s"),
-                    "subject.time");
-    }
-    grid->data = dataRanges(volume, choice.time);
-    grid->turned = !isGenerator(choice.source) && isUpsideDown(volume, grid->data, choice.time);
+    // Of a large volume only the point of time that is shown was read.
+    const int time = grid->stream ? 0 : choice.time;
+    grid->data = dataRanges(volume, time);
+    if (grid->stream) takeExtremes(*grid);
+    grid->turned = !isGenerator(choice.source) && isUpsideDown(volume, grid->data, time);
     grid->modality = guessModality(volume, statistics(volume));
     grid->automatic = automaticTransfer(volume, grid->data);
     place(*grid);
-    grid->ranges = brickRanges(volume, choice.time, choice.brick);
-    grid->texture = uploadGrid(context, volume, choice.time, grid->ranges);
-    if (context.capabilities().software)
-        grid->corners = uploadCorners(context, volume, choice.time, grid->ranges, kMostForCorners);
     return grid;
 }
 
@@ -205,8 +286,11 @@ struct Transfer {
     gpu::Texture table;
     gpu::Texture glow;
     bool glows = false;
-    gpu::Texture3D bricks;
-    render::Bounds bounds; ///< of what is seen
+    std::vector<float> opacities; ///< for each value, the most of all gradients: one table for each channel ...
+    std::size_t width = 0;        ///< ... of so many entries
+    std::vector<float> seen;      ///< majorants() of all voxels
+    gpu::Texture3D bricks;        ///< of what is shown
+    render::Bounds bounds;        ///< of what is seen
 };
 
 gpu::Texture3D brickTexture(const gpu::Context& context, const BrickRanges& ranges, const std::vector<float>& values) {
@@ -222,11 +306,11 @@ Transfer makeTransfer(const gpu::Context& context, const Grid& grid, const Json&
     transfer.json = json;
     transfer.rows = tables.front().height;
     transfer.lookup = lookupOf(*grid.volume, tables);
-    const auto width = static_cast<std::size_t>(tables.front().width);
+    const auto width = transfer.width = static_cast<std::size_t>(tables.front().width);
     const glm::ivec2 size(tables.front().width, tables.front().height * static_cast<int>(tables.size()));
     std::vector<float> rgba;
     std::vector<float> glow;
-    std::vector<float> opacities; // for each value, the most of all gradients
+    std::vector<float>& opacities = transfer.opacities;
     for (const TransferTable& table : tables) {
         transfer.gradient.push_back((table.high - table.low) / std::max(table.gradientHigh, 1e-30));
         rgba.insert(rgba.end(), table.rgba.begin(), table.rgba.end());
@@ -243,16 +327,17 @@ Transfer makeTransfer(const gpu::Context& context, const Grid& grid, const Json&
     transfer.table.upload(rgba);
     transfer.glow = gpu::Texture(context, gpu::PixelFormat::RGBA32F, transfer.glows ? size : glm::ivec2(1), "glow");
     if (transfer.glows) transfer.glow.upload(glow);
-    const std::vector<float> most = majorants(grid.ranges, opacities, width, transfer.lookup);
-    transfer.bricks = brickTexture(context, grid.ranges, most);
-    transfer.bounds = boundsOf(grid, most);
+    transfer.seen = majorants(grid.ranges, opacities, width, transfer.lookup);
+    transfer.bricks = brickTexture(context, grid.ranges, transfer.seen);
+    transfer.bounds = boundsOf(grid, transfer.seen);
     return transfer;
 }
 
 /// Where the isosurface is.
 struct Iso {
-    double place = 0.5; ///< in the transfer function
-    gpu::Texture3D bricks;
+    double place = 0.5;      ///< in the transfer function
+    std::vector<float> seen; ///< crossings() of all voxels
+    gpu::Texture3D bricks;   ///< of what is shown
 };
 
 double isoPlace(const scene::Scene& scene, const Grid& grid, const Transfer& transfer) {
@@ -263,8 +348,32 @@ double isoPlace(const scene::Scene& scene, const Grid& grid, const Transfer& tra
     return lookup.x * (value - grid.volume->intercept) / slope + lookup.y;
 }
 
+Iso makeIso(const gpu::Context& context, const Grid& grid, double place, const Transfer& transfer) {
+    Iso iso{place, crossings(grid.ranges, place, transfer.lookup), {}};
+    iso.bricks = brickTexture(context, grid.ranges, iso.seen);
+    return iso;
+}
+
+/// From where a scene's camera sees a grid.
+BrickView viewOf(const scene::Scene& scene, const Grid& grid) {
+    const scene::Camera camera(scene.camera);
+    const glm::dmat3 axes = glm::inverse(grid.toGrid);
+    const glm::dmat3 turn = glm::transpose(glm::mat3_cast(camera.orientation()));
+    BrickView view;
+    view.toCamera = glm::dmat4(turn * axes);
+    view.toCamera[3] = glm::dvec4(turn * (-(axes * grid.origin) - render::difference(camera.position(), {})), 1.0);
+    view.voxel = std::max({glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2])});
+    view.extent = camera.extent();
+    view.height = static_cast<int>(scene.output.integer("height"));
+    view.aspect = static_cast<double>(scene.output.integer("width")) / view.height;
+    view.orthographic = scene.camera.text("projection") == "orthographic";
+    return view;
+}
+
 class VolumeSubject : public render::Subject {
   public:
+    void setPatient(bool patient) override { patient_ = patient; }
+
     std::set<std::string> provides() const override { return {"field", "medium", "surface"}; }
 
     void prepare(const gpu::Context& context, const scene::Scene& scene) override {
@@ -275,24 +384,55 @@ class VolumeSubject : public render::Subject {
         std::optional<Transfer> transfer;
         if (grid != grid_ || transfer_.json != json) transfer = makeTransfer(context, *grid, json);
         const double place = isoPlace(scene, *grid, transfer ? *transfer : transfer_);
-        if (transfer || place != iso_.place) {
-            const auto& lookup = transfer ? transfer->lookup : transfer_.lookup;
-            iso_ = {place, brickTexture(context, grid->ranges, crossings(grid->ranges, place, lookup))};
-        }
-        floatFiltering_ = context.capabilities().floatFiltering;
+        std::optional<Iso> iso;
+        if (transfer || place != iso_.place) iso = makeIso(context, *grid, place, transfer ? *transfer : transfer_);
+        context_ = &context;
         grid_ = std::move(grid);
         if (transfer) transfer_ = std::move(*transfer);
-        grid_->texture.texture.setLinear(scene.subject.choice("interpolation") == 0 && filterable());
+        if (iso) iso_ = std::move(*iso);
+        floatFiltering_ = context.capabilities().floatFiltering;
+        const bool linear = scene.subject.choice("interpolation") == 0 && filterable();
+        (grid_->stream ? grid_->stream->atlas() : grid_->texture).setLinear(linear);
+        if (grid_->stream && (transfer || iso)) {
+            // Others may be wanted now; until then there is what there is.
+            view_.reset();
+            bricksFromShown();
+        }
+    }
+
+    bool update(const scene::Scene& scene, double budget) override {
+        if (!grid_->stream) return false;
+        BrickStream& stream = *grid_->stream;
+        bool changed = false;
+        if (const BrickView view = viewOf(scene, *grid_); view_ != view) {
+            std::vector<float> seen = transfer_.seen;
+            for (std::size_t i = 0; i < seen.size(); ++i)
+                seen[i] = std::max(seen[i], iso_.seen[i]);
+            changed = stream.want(view, neededBricks(BrickPyramid(grid_->size), grid_->ranges, seen));
+            view_ = view;
+        }
+        if (stream.busy()) {
+            const double forEver = std::numeric_limits<double>::infinity();
+            changed = stream.load(patient_ ? forEver : budget) || changed;
+        }
+        if (changed) bricksFromShown();
+        return changed;
+    }
+    bool busy() const override { return grid_->stream && (!view_ || grid_->stream->busy()); }
+    std::vector<std::pair<std::string, double>> counters() const override {
+        return grid_->stream ? grid_->stream->counters() : std::vector<std::pair<std::string, double>>{};
     }
 
     std::optional<render::Bounds> bounds() const override { return transfer_.bounds; }
 
     Shown shown(const scene::Scene& scene) const {
-        Shown shown{
-            grid_->volume,       grid_->choice.time,
-            grid_->data,         {},
-            grid_->modality,     scene.subject.choice("interpolation") == 0 ? Between::Linear : Between::Nearest,
-            indexToScene(*grid_)};
+        Shown shown{grid_->volume,
+                    grid_->stream ? 0 : grid_->choice.time,
+                    grid_->data,
+                    {},
+                    grid_->modality,
+                    scene.subject.choice("interpolation") == 0 ? Between::Linear : Between::Nearest,
+                    indexToScene(*grid_, grid_->volume->indexToWorld)};
         const std::vector<TransferFunction> functions = transferFunctions(transfer_.json, grid_->automatic);
         for (std::size_t i = 0; i < shown.ranges.size(); ++i)
             shown.transfer.push_back(inValueUnits(functions[std::min(i, functions.size() - 1)], shown.ranges[i]));
@@ -305,6 +445,12 @@ class VolumeSubject : public render::Subject {
             notes.emplace_back(
                 "the file does not say how it lies, and it seems to stand on its head: it is turned by 180 "
                 "degrees about y");
+        if (grid_->stream) {
+            const glm::ivec3 size = grid_->size;
+            notes.push_back(fmt::format("{}x{}x{} voxels are more than the memory for them holds: what is seen best is "
+                                        "shown finest",
+                                        size.x, size.y, size.z));
+        }
         return notes;
     }
 
@@ -314,7 +460,7 @@ class VolumeSubject : public render::Subject {
         source.addText("the volume's kind",
                        fmt::format("const int volume_channels = {};\nconst bool volume_manual = {};\n"
                                    "const float volume_brick = {}.0;\n",
-                                   grid_->volume->channels, manual, grid_->choice.brick));
+                                   grid_->volume->channels, manual, grid_->ranges.side));
         for (const auto& file : scene.subject.files()) {
             source.addModule(*file, "subject_", scene.subject, "subject", options.specialise,
                              gpu::ShaderSource::Rename::Parameters);
@@ -323,16 +469,19 @@ class VolumeSubject : public render::Subject {
             const bool halves = grid_->corners->format() == gpu::GridFormat::RGBA32UI;
             source.addText("the volume's words", fmt::format("const bool volume_halves = {};\n", halves));
         }
-        source.addFile(cornersUsed(scene) ? kCornersFile : kSampledFile);
+        source.addFile(grid_->stream ? kBrickedFile : cornersUsed(scene) ? kCornersFile : kSampledFile);
     }
 
     void bind(gpu::Kernel& kernel, const scene::Scene& scene) const override {
         const Grid& grid = *grid_;
         kernel.setParameters("subject", scene.subject);
-        if (cornersUsed(scene)) {
+        if (grid.stream) {
+            kernel.set("volume_atlas", grid.stream->atlas());
+            kernel.set("volume_pages", grid.stream->pages());
+        } else if (cornersUsed(scene)) {
             kernel.set("volume_corners", *grid.corners);
         } else {
-            kernel.set("volume_data", grid.texture.texture);
+            kernel.set("volume_data", grid.texture);
         }
         kernel.set("volume_bricks", transfer_.bricks);
         kernel.set("volume_transfer", transfer_.table);
@@ -346,14 +495,14 @@ class VolumeSubject : public render::Subject {
         kernel.set("clip_camera", glm::vec3(render::difference(position, {})));
         const glm::dvec3 camera = grid.origin + grid.toGrid * render::difference(position, {});
         kernel.set("volume_camera", glm::vec3(camera));
-        kernel.set("volume_size", glm::vec3(grid.volume->size));
+        kernel.set("volume_size", glm::vec3(grid.size));
         glm::vec4 scale(1.0F);
         glm::vec4 offset(0.0F);
         glm::vec4 gradient(0.0F);
         for (int i = 0; i < grid.volume->channels; ++i) {
             const glm::dvec2 lookup = transfer_.lookup[static_cast<std::size_t>(i)];
-            scale[i] = static_cast<float>(lookup.x * grid.texture.scale);
-            offset[i] = static_cast<float>(lookup.x * grid.texture.offset + lookup.y);
+            scale[i] = static_cast<float>(lookup.x * grid.form.scale);
+            offset[i] = static_cast<float>(lookup.x * grid.form.offset + lookup.y);
             gradient[i] = static_cast<float>(transfer_.gradient[static_cast<std::size_t>(i)]);
         }
         kernel.set("volume_scale", scale);
@@ -368,11 +517,24 @@ class VolumeSubject : public render::Subject {
         return grid_->corners.has_value() && scene.subject.choice("interpolation") == 0;
     }
     bool filterable() const {
-        const gpu::GridFormat format = grid_->texture.texture.format();
+        const gpu::GridFormat format = grid_->form.format;
         return floatFiltering_ || gpu::bytesPerTexel(format) < 4 * gpu::channelsOf(format);
     }
 
+    /// Of a large volume: majorants for what is shown of it.
+    void bricksFromShown() {
+        const auto& lookup = transfer_.lookup;
+        const BrickRanges visible = grid_->stream->shownRanges(transfer_.seen);
+        transfer_.bricks =
+            brickTexture(*context_, visible, majorants(visible, transfer_.opacities, transfer_.width, lookup));
+        const BrickRanges crossed = grid_->stream->shownRanges(iso_.seen);
+        iso_.bricks = brickTexture(*context_, crossed, crossings(crossed, iso_.place, lookup));
+    }
+
+    bool patient_ = false;
+    const gpu::Context* context_ = nullptr;
     std::shared_ptr<Grid> grid_;
+    std::optional<BrickView> view_; ///< for which bricks of a large volume are wanted
     Transfer transfer_;
     Iso iso_;
     bool floatFiltering_ = true;
@@ -395,6 +557,7 @@ class Declare {
         return *this;
     }
     Declare& choices(std::vector<std::string> labels) { return parameter_.choices = std::move(labels), *this; }
+    Declare& unit(const char* unit) { return parameter_.unit = unit, *this; }
     Declare& logarithmic() { return parameter_.logarithmic = true, *this; }
     Declare& path() { return parameter_.path = true, *this; }
     Declare& samples() { return parameter_.invalidates = parameter::Invalidates::Samples, *this; }
@@ -428,6 +591,11 @@ std::vector<parameter::Parameter> hostParameters() {
         Declare("brick", Type::Choice, word("8"),
                 "Side of the bricks [voxels] of which the largest opacity is known: empty ones are stepped over")
             .choices({"4", "8", "16", "32"}),
+        Declare("memory", Type::Float, 0.0,
+                "Most memory for the voxels: larger volumes are shown coarser where they are less seen; 0: all that is "
+                "needed, and of what textures do not hold, or the machine, a part")
+            .range(0, 1e6)
+            .unit("MiB"),
         Declare("isovalue", Type::Float, 0.5, "Where the surface is, for renderers of surfaces")
             .range(-1e6, 1e6)
             .samples(),

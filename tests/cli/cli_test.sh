@@ -343,6 +343,19 @@ printf 'ObjectType = Image\nNDims = 3\nDimSize = 60000 60000 60000\nElementType 
 expect 2 'huge.mha: its header asks for .* GB of memory' info huge.mha
 printf 'ObjectType = Image\nNDims = 99\nDimSize = 1\nElementType = MET_FLOAT\nElementDataFile = LOCAL\n' >bad.mha
 expect 2 'bad.mha: NDims' info bad.mha
+# A volume that is larger than the memory for it: read in parts. (A file of nothing but a hole, and one voxel.)
+head -c 2097151 /dev/zero >large.raw
+printf '\377' >>large.raw
+printf '{ "subject": {"type": "volume", "source": "large.raw", "raw": "128x128x128:uint8"}, "renderer": {"type": "mip"} }' >large.json
+expect 0 'large.png' render large.json -o large.png --size 16x16 --samples 1 --memory 1M
+check 'a note says that not all is shown' grep -q 'note: 128x128x128 voxels are more than the memory' stderr
+expect 2 'large.raw: 128x128x128 voxels cannot be shown with .* MB of memory; allow .* MB at least' \
+    render large.json -o large.png --size 16x16 --memory 64K
+expect 2 '^apeiron: --memory: expected a number of bytes such as 256M or 2G' render large.json -o large.png --memory many
+expect 2 '^apeiron: --memory: a fractal has no limit of memory' render mandelbulb -o large.png --memory 1M
+head -c 2097151 large.raw >short.raw
+expect 2 'short.raw: has 2097151 bytes, and .* needs 2097152' render large.json -o large.png --memory 1M --set subject.source=short.raw
+
 # A scene names its volume from its own folder, wherever the program is started.
 mkdir scene
 head -c 4096 /dev/zero >scene/even.raw

@@ -1,0 +1,22 @@
+// A large volume's values: bricks of 32 x 32 x 32 voxels of several levels, each with a border of one voxel, in one texture. Within a
+// brick they are interpolated as in one piece; where bricks of two levels meet, they differ as the levels do.
+
+uniform sampler3D volume_atlas; // stored values, up to 4 channels
+uniform sampler3D volume_pages; // of each brick of the finest level: grid coordinates * w + xyz are the place in the atlas [texels]
+
+vec4 volume_stored(vec3 place) {
+    vec3 inside = clamp(place, vec3(0.0), volume_size);
+    ivec3 page = min(ivec3(inside) >> 5, textureSize(volume_pages, 0) - 1);
+    vec4 at = texelFetch(volume_pages, page, 0);
+    vec3 p = inside * at.w + at.xyz;
+    if (!volume_manual) return textureLod(volume_atlas, p / vec3(textureSize(volume_atlas, 0)), 0.0);
+    p -= 0.5;
+    vec3 cell = floor(p);
+    vec3 f = p - cell;
+    ivec3 c = ivec3(cell);
+    vec4 low = mix(mix(texelFetch(volume_atlas, c, 0), texelFetch(volume_atlas, c + ivec3(1, 0, 0), 0), f.x),
+                   mix(texelFetch(volume_atlas, c + ivec3(0, 1, 0), 0), texelFetch(volume_atlas, c + ivec3(1, 1, 0), 0), f.x), f.y);
+    vec4 high = mix(mix(texelFetch(volume_atlas, c + ivec3(0, 0, 1), 0), texelFetch(volume_atlas, c + ivec3(1, 0, 1), 0), f.x),
+                    mix(texelFetch(volume_atlas, c + ivec3(0, 1, 1), 0), texelFetch(volume_atlas, c + ivec3(1, 1, 1), 0), f.x), f.y);
+    return mix(low, high, f.z);
+}
