@@ -5,10 +5,12 @@
 #include "render/view.hpp"
 #include "scene/camera.hpp"
 #include "volume/brick_stream.hpp"
+#include "volume/declare.hpp"
 #include "volume/defaults.hpp"
 #include "volume/generators.hpp"
 #include "volume/grid.hpp"
 #include "volume/histogram.hpp"
+#include "volume/slices.hpp"
 #include "volume/source.hpp"
 #include "volume/statistics.hpp"
 
@@ -25,6 +27,7 @@ namespace {
 
 constexpr const char* kFile = "volume/volume.glsl";
 constexpr const char* kClipFile = "volume/volume_clip.glsl";
+constexpr const char* kSlicesFile = "volume/volume_slices.glsl";
 constexpr const char* kSurfaceFile = "volume/volume_surface.glsl";
 constexpr const char* kSampledFile = "volume/values_sampled.glsl";
 constexpr const char* kCornersFile = "volume/values_corners.glsl";
@@ -340,12 +343,17 @@ struct Iso {
     gpu::Texture3D bricks;   ///< of what is shown
 };
 
-double isoPlace(const scene::Scene& scene, const Grid& grid, const Transfer& transfer) {
-    double value = scene.subject.number("isovalue");
-    if (scene.subject.choice("iso_units") == 0) value = glm::mix(grid.data.front().low, grid.data.front().high, value);
+/// The place of a value of the first channel in the transfer function, 0 to 1.
+double placeOf(double value, const Grid& grid, const Transfer& transfer) {
     const glm::dvec2 lookup = transfer.lookup.front();
     const double slope = grid.volume->slope != 0.0 ? grid.volume->slope : 1.0;
     return lookup.x * (value - grid.volume->intercept) / slope + lookup.y;
+}
+
+double isoPlace(const scene::Scene& scene, const Grid& grid, const Transfer& transfer) {
+    double value = scene.subject.number("isovalue");
+    if (scene.subject.choice("iso_units") == 0) value = glm::mix(grid.data.front().low, grid.data.front().high, value);
+    return placeOf(value, grid, transfer);
 }
 
 Iso makeIso(const gpu::Context& context, const Grid& grid, double place, const Transfer& transfer) {
@@ -432,15 +440,21 @@ class VolumeSubject : public render::Subject {
                     {},
                     grid_->modality,
                     scene.subject.choice("interpolation") == 0 ? Between::Linear : Between::Nearest,
-                    indexToScene(*grid_, grid_->volume->indexToWorld)};
+                    indexToScene(*grid_, grid_->volume->indexToWorld),
+                    shownSlices(scene.subject, planes(scene))};
         const std::vector<TransferFunction> functions = transferFunctions(transfer_.json, grid_->automatic);
         for (std::size_t i = 0; i < shown.ranges.size(); ++i)
             shown.transfer.push_back(inValueUnits(functions[std::min(i, functions.size() - 1)], shown.ranges[i]));
         return shown;
     }
 
-    std::vector<std::string> notes(const scene::Scene& /*scene*/) const override {
+    std::vector<std::string> notes(const scene::Scene& scene) const override {
         std::vector<std::string> notes = grid_->volume->messages;
+        const auto& tags = scene.renderer.module("type").tags;
+        const auto needs = tags.find("needs");
+        if (needs != tags.end() && needs->second == "surface" && !shownSlices(scene.subject, planes(scene)).empty())
+            notes.emplace_back(
+                "renderers of surfaces do not show slices: choose eam, lao, iso, mip, depth, mcs or mcm");
         if (grid_->turned)
             notes.emplace_back(
                 "the file does not say how it lies, and it seems to stand on its head: it is turned by 180 "
@@ -508,11 +522,37 @@ class VolumeSubject : public render::Subject {
         kernel.set("volume_scale", scale);
         kernel.set("volume_offset", offset);
         kernel.set("volume_gradient", gradient);
+        bindSlices(kernel, scene);
         kernel.set("volume_unit", static_cast<float>(1.0 / grid.longest));
         kernel.set("volume_spacing", static_cast<float>(grid.spacing));
     }
 
   private:
+    std::array<SlicePlane, 4> planes(const scene::Scene& scene) const {
+        // Grid coordinates count from the corner of the first voxel, indices from its centre.
+        static const glm::dmat4 kCorner(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -0.5, -0.5, -0.5, 1);
+        const glm::dmat4 toWorld = indexToScene(*grid_, grid_->indexToWorld) * kCorner;
+        return slicePlanes(scene.subject, toWorld, glm::dvec3(grid_->size));
+    }
+
+    void bindSlices(gpu::Kernel& kernel, const scene::Scene& scene) const {
+        const glm::dvec3 camera = render::difference(scene.camera.get<parameter::Decimal3>("position"), {});
+        std::array<glm::vec4, 4> slices{};
+        std::size_t i = 0;
+        for (const SlicePlane& plane : planes(scene))
+            slices[i++] = glm::vec4(glm::dvec4(plane.normal, plane.offset - glm::dot(plane.normal, camera)));
+        kernel.set("slice_planes", std::span<const glm::vec4>(slices));
+        // From places in the transfer function to grey.
+        const glm::dvec2 window = scene.subject.get<glm::dvec2>("slice_window");
+        const DataRange& range = grid_->data.front();
+        const double low = window.y > 0.0 ? window.x - 0.5 * window.y : range.low;
+        const double high = window.y > 0.0 ? window.x + 0.5 * window.y : range.high;
+        const auto place = [&](double value) { return placeOf(value, *grid_, transfer_); };
+        const double width = place(high) - place(low);
+        const double scale = width != 0.0 ? 1.0 / width : 0.0;
+        kernel.set("slice_grey", glm::vec2(glm::dvec2(scale, -scale * place(low))));
+    }
+
     bool cornersUsed(const scene::Scene& scene) const {
         return grid_->corners.has_value() && scene.subject.choice("interpolation") == 0;
     }
@@ -540,38 +580,11 @@ class VolumeSubject : public render::Subject {
     bool floatFiltering_ = true;
 };
 
-/// Builds a host parameter piece by piece.
-class Declare {
-  public:
-    Declare(const char* name, parameter::Type type, parameter::Value byDefault, const char* doc) {
-        parameter_.name = name;
-        parameter_.type = type;
-        parameter_.defaultValue = std::move(byDefault);
-        parameter_.invalidates = parameter::Invalidates::Program;
-        parameter_.doc = doc;
-        parameter_.where = "src/volume/volume_subject.cpp";
-    }
-    Declare& range(double minimum, double maximum) {
-        parameter_.minimum = minimum;
-        parameter_.maximum = maximum;
-        return *this;
-    }
-    Declare& choices(std::vector<std::string> labels) { return parameter_.choices = std::move(labels), *this; }
-    Declare& unit(const char* unit) { return parameter_.unit = unit, *this; }
-    Declare& logarithmic() { return parameter_.logarithmic = true, *this; }
-    Declare& path() { return parameter_.path = true, *this; }
-    Declare& samples() { return parameter_.invalidates = parameter::Invalidates::Samples, *this; }
-    operator parameter::Parameter() const { return parameter_; } // NOLINT: converting is what it is for
-
-  private:
-    parameter::Parameter parameter_;
-};
-
 std::vector<parameter::Parameter> hostParameters() {
     using parameter::Type;
     const auto count = [](std::int64_t value) { return parameter::Value(value); };
     const auto word = [](const char* text) { return parameter::Value(std::string(text)); };
-    return {
+    std::vector<parameter::Parameter> parameters{
         Declare("source", Type::Text, word("cloud"),
                 "The data: a generated volume (cloud, hydrogen, fractal, shepp_logan, marschner_lobb), or a file")
             .path(),
@@ -604,6 +617,9 @@ std::vector<parameter::Parameter> hostParameters() {
             .choices({"window", "value"})
             .samples(),
     };
+    const std::vector<parameter::Parameter> slices = sliceParameters();
+    parameters.insert(parameters.end(), slices.begin(), slices.end());
+    return parameters;
 }
 
 } // namespace
@@ -640,7 +656,7 @@ render::SubjectType subjectType() {
              "volume",
              "A measured or generated volume: a grid of values, seen by a transfer function",
              hostParameters(),
-             {kClipFile, kFile, kSurfaceFile}},
+             {kClipFile, kFile, kSlicesFile, kSurfaceFile}},
             {},
             [] { return std::unique_ptr<render::Subject>(new VolumeSubject); }};
 }

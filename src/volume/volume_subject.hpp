@@ -2,6 +2,7 @@
 
 #include "render/subject.hpp"
 #include "volume/reading.hpp"
+#include "volume/slices.hpp"
 #include "volume/transfer_function.hpp"
 
 #include <optional>
@@ -17,6 +18,7 @@ struct Shown {
     Modality modality = Modality::Unknown;
     Between between = Between::Linear;
     glm::dmat4 indexToScene{1}; ///< centre of voxel (i, j, k) -> the scene's world: the file's, or half a turn from it
+    std::vector<SlicePlane> slices; ///< that are shown, in the scene's world
 };
 
 /// Nothing where the subject is another one. @param scene that the subject was made ready for

@@ -1,4 +1,5 @@
 #include "render/glsl/surface.glsl"
+#include "render/glsl/slice.glsl"
 
 // The `field` interface: a scalar in space that renderers sample along rays, and what it looks like. Positions and lengths are in
 // world units, relative to the camera.

@@ -76,14 +76,30 @@ void field_march(FieldLook look, ivec2 pixel, out vec4 radiance, out vec4 geomet
     float stride = max(look.step * max(field_spacing(), footprint), (ray.t_max - ray.t_min) / 8000.0);
     float t = ray.t_min + stride * random_pair(pixel, 16u).x;
     float t_end = t;
-    for (int i = 0; i < 8192 && inside && t < ray.t_max && through > 2e-3; ++i) {
+    float sliced = 0.0; // how much of the picture is slices ...
+    float t_sliced = 0.0;
+    Slice slice = Slice(1e30, vec4(0.0));
+    if (inside) slice = slice_next(ray, slice_start(ray));
+    for (int i = 0; i < 8192 && inside && (t < ray.t_max || slice.t < 1e30) && through > 2e-3; ++i) {
+        // A slice comes before the place that is looked at next.
+        if (slice.t <= t || t >= ray.t_max) {
+            float part = through * slice.color.a;
+            sum += part * slice.color.rgb;
+            colors += part * slice.color.rgb;
+            depth += part * slice.t;
+            t_sliced = part > 0.0 && sliced == 0.0 ? slice.t : t_sliced;
+            sliced += part;
+            through -= part;
+            slice = slice_next(ray, slice.t);
+            continue;
+        }
         bool something = true;
         for (int k = 0; k < 8 && t >= t_end; ++k) {
             something = field_segment(ray, t, t_end);
             // To the next place that is looked at, however much was stepped over.
             if (!something) t += ceil(max(t_end - t, 0.0) / stride) * stride;
         }
-        if (!something || t >= ray.t_max) continue;
+        if (!something || t >= ray.t_max || t >= slice.t) continue;
         vec3 position = ray.origin + t * ray.direction;
         vec4 seen = field_color(position);
         float part = through * (1.0 - exp(-seen.a * stride));
@@ -101,7 +117,8 @@ void field_march(FieldLook look, ivec2 pixel, out vec4 radiance, out vec4 geomet
     geometry = vec4(0.0);
     albedo = vec4(0.0);
     if (cover > 0.01) {
-        geometry = vec4(-ray.direction, depth / cover);
+        // Most of it is a slice: that is what is seen there.
+        geometry = vec4(-ray.direction, sliced > 0.5 * cover ? t_sliced : depth / cover);
         albedo = vec4(colors / cover, 1.0);
     }
 }

@@ -1,4 +1,5 @@
 #include "render/glsl/surface.glsl"
+#include "render/glsl/slice.glsl"
 
 // The `medium` interface: what a renderer asks of a subject that light passes through. Media have coordinates of their own, in which
 // rays are straight and t is still a length in world units.

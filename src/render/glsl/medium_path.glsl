@@ -92,6 +92,15 @@ void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geom
     bool inside = medium_enter(ray, path);
     float t = ray.t_min;
     bool alive = true;
+    // Slices are seen by the camera alone; one that hides a part is there for that part of the paths.
+    Slice slice = Slice(1e30, vec4(0.0));
+    if (inside) slice = slice_next(ray, slice_start(ray));
+    for (int i = 0; i < 4 && slice.t < 1e30; ++i) {
+        if (slice.color.a >= 1.0 || medium_number() < slice.color.a) break;
+        slice = slice_next(ray, slice.t);
+    }
+    bool sliced = slice.t < 1e30;
+    ray.t_max = sliced ? min(slice.t, ray.t_max) : ray.t_max;
     for (int i = 0; i < 100000 && alive; ++i) {
         bool gone = !inside;
         bool collided = false;
@@ -156,6 +165,12 @@ void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geom
                 met += seen * (how.sampling == 2 ? 1.0 : medium_heuristic(pdf, other));
             }
             radiance.a = camera && environment_transparent ? 0.0 : 1.0;
+            for (int j = 0; j < int(camera && sliced); ++j) {
+                met = slice.color.rgb;
+                radiance.a = 1.0;
+                geometry = vec4(-ray.direction, slice.t);
+                albedo = vec4(min(met, vec3(1.0)), 1.0);
+            }
             if (radiance.a > 0.0) sum += medium_limited(through * met, bounce > 1, how.limit);
             alive = false;
         }

@@ -17,13 +17,21 @@ void kernel_main(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 alb
     float t = ray.t_min + stride * random_pair(pixel, 16u).x;
     float t_end = t;
     float seen = -log(1.0 - opacity); // optical depth that is left
-    for (int i = 0; i < 8192 && inside && t < ray.t_max && seen > 0.0; ++i) {
+    Slice slice = Slice(1e30, vec4(0.0));
+    if (inside) slice = slice_next(ray, slice_start(ray));
+    for (int i = 0; i < 8192 && inside && (t < ray.t_max || slice.t < 1e30) && seen > 0.0; ++i) {
+        if (slice.t <= t || t >= ray.t_max) {
+            seen += log(max(1.0 - slice.color.a, 1e-6));
+            t = seen > 0.0 ? t : slice.t;
+            slice = slice_next(ray, slice.t);
+            continue;
+        }
         bool something = true;
         for (int k = 0; k < 8 && t >= t_end; ++k) {
             something = field_segment(ray, t, t_end);
             if (!something) t += ceil(max(t_end - t, 0.0) / stride) * stride;
         }
-        if (!something || t >= ray.t_max) continue;
+        if (!something || t >= ray.t_max || t >= slice.t) continue;
         float extinction = field_color(ray.origin + t * ray.direction).a;
         float part = extinction * stride;
         // Within the last step, to where it is reached.

@@ -37,27 +37,40 @@ void kernel_main(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 alb
     float t = ray.t_min + stride * random_pair(pixel, 16u).x;
     // Outside of the box there is nothing, so that surfaces are closed where they leave it.
     float before = 0.0;
+    Slice slice = Slice(1e30, vec4(0.0));
+    if (inside) slice = slice_next(ray, slice_start(ray));
     for (int i = 0; i < 8192 && inside && t < ray.t_max + stride && through > 4e-3; ++i) {
         float here = t < ray.t_max ? field_value(ray.origin + t * ray.direction) : 0.0;
         vec4 crossed = vec4(lessThan(vec4(before) - values, vec4(0.0))) - vec4(lessThan(vec4(here) - values, vec4(0.0)));
         crossed = abs(crossed) * vec4(greaterThan(opacities, vec4(0.0)));
-        // From the nearest to the farthest: in the order of their values, upwards or downwards.
-        for (int n = 0; n < 4 && dot(crossed, vec4(1.0)) > 0.0; ++n) {
+        float reach = t < ray.t_max ? t : 1e29;
+        // From the nearest to the farthest: in the order of their values, upwards or downwards, and slices in between.
+        for (int n = 0; n < 8 && (dot(crossed, vec4(1.0)) > 0.0 || slice.t <= reach); ++n) {
             int k = -1;
             for (int j = 0; j < 4; ++j) {
                 if (crossed[j] > 0.0 && (k < 0 || (here > before ? values[j] < values[k] : values[j] > values[k]))) k = j;
             }
-            if (k < 0) break;
-            crossed[k] = 0.0;
             float a = max(t - stride, ray.t_min);
             float b = min(t, ray.t_max);
             for (int j = 0; j < 6; ++j) {
                 float c = 0.5 * (a + b);
+                if (k < 0) break;
                 bool beyond = (field_value(ray.origin + c * ray.direction) < values[k]) == (here < values[k]);
                 a = beyond ? a : c;
                 b = beyond ? c : b;
             }
             float at = 0.5 * (a + b);
+            if (k < 0 || slice.t <= at) {
+                sum += through * slice.color.a * slice.color.rgb;
+                if (through == 1.0 && slice.color.a > 0.0) {
+                    geometry = vec4(-ray.direction, slice.t);
+                    albedo = vec4(slice.color.rgb, 1.0);
+                }
+                through *= 1.0 - slice.color.a;
+                slice = slice_next(ray, slice.t);
+                continue;
+            }
+            crossed[k] = 0.0;
             vec3 position = ray.origin + at * ray.direction;
             vec3 gradient = field_gradient(position);
             float steepness = length(gradient);

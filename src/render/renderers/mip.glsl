@@ -20,6 +20,21 @@ void kernel_main(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 alb
     float most = 0.0;
     float where = ray.t_min;
     float stride = max(step * field_spacing(), (ray.t_max - ray.t_min) / 8000.0);
+    // Slices count as what they show; one that hides more than half ends the ray.
+    vec3 sliced = vec3(0.0);
+    float t_sliced = 0.0;
+    float hidden = 0.0;
+    Slice slice = Slice(1e30, vec4(0.0));
+    if (inside) slice = slice_next(ray, slice_start(ray));
+    for (int i = 0; i < 4 && slice.t < 1e30 && hidden < 0.5; ++i) {
+        vec3 here = slice.color.a * slice.color.rgb;
+        bool brighter = slice.color.a > 0.0 && (hidden == 0.0 || dot(here - sliced, vec3(1.0)) > 0.0);
+        sliced = brighter ? here : sliced;
+        t_sliced = brighter ? slice.t : t_sliced;
+        hidden = max(hidden, slice.color.a);
+        ray.t_max = slice.color.a >= 0.5 ? min(slice.t, ray.t_max) : ray.t_max;
+        slice = slice_next(ray, slice.t);
+    }
     float t = ray.t_min + stride * random_pair(pixel, 16u).x;
     for (int i = 0; i < 8192 && inside && t < ray.t_max; ++i) {
         float value = field_value(ray.origin + t * ray.direction);
@@ -29,10 +44,14 @@ void kernel_main(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 alb
     }
     float shown = clamp((most - low) / max(high - low, 1e-6), 0.0, 1.0);
     vec3 color = colored ? field_tint(most) : vec3(1.0);
-    float cover = environment_transparent ? float(shown > 0.0) : 1.0;
-    radiance = vec4(color * shown, cover);
-    if (shown > 0.0) {
+    vec3 light = color * shown;
+    bool is_slice = hidden > 0.0 && dot(sliced - light, vec3(1.0)) >= 0.0;
+    light = is_slice ? sliced : light;
+    where = is_slice ? t_sliced : where;
+    float cover = environment_transparent ? max(float(shown > 0.0), hidden) : 1.0;
+    radiance = vec4(light, cover);
+    if (shown > 0.0 || is_slice) {
         geometry = vec4(-ray.direction, where);
-        albedo = vec4(color, 1.0);
+        albedo = vec4(is_slice ? sliced : color, 1.0);
     }
 }
