@@ -2,6 +2,7 @@
 // stay flat, is the picture never a wall, fog or a plain, and is that of the start there again after the return?
 //
 //     apeiron_dive [SCENE.json] [--levels N] [--stretches N] [--frames N] [--width W] [--height H] [--dump FOLDER]
+//                  [--turn DEGREES] [--set subject.background=false ...]
 //
 // All steps of the flight are made. Frames are drawn in stretches of consecutive steps, spread evenly over the way.
 
@@ -34,6 +35,8 @@ struct Settings {
     int stretches = 10; ///< down, and half as many up
     int frames = 40;    ///< of a stretch
     double speed = 1.2; ///< [distances to the ground per second]
+    double turn = 0.0;  ///< frames look around instead of flying [degrees a frame]
+    std::vector<std::string> set;
     std::string dump;
 };
 
@@ -108,6 +111,8 @@ std::int64_t levelOf(const session::Session& session) {
 struct Frames {
     std::vector<double> wall;
     std::vector<double> processor;
+    std::vector<double> drawing;
+    std::vector<double> behind;
     std::vector<double> selection;
     std::vector<double> making;
     std::vector<double> clipmap;
@@ -158,10 +163,24 @@ class Dive {
         return options;
     }
 
+    /// Of drawing tiles, so far [ms of processor time].
+    double drawingTime() const {
+        const auto& times = session_.statistics().phases.times;
+        const auto found = times.find("draw");
+        return found == times.end() ? 0.0 : found->second.cpuMs;
+    }
+
     void frame(render::Autopilot way, int index) {
         const double processor = processorSeconds();
+        const double drawing = drawingTime();
         const Stopwatch watch;
-        session_.autopilot(way, settings_.speed, kFrameSeconds);
+        if (settings_.turn == 0.0) {
+            session_.autopilot(way, settings_.speed, kFrameSeconds);
+        } else {
+            scene::Camera camera = session_.camera();
+            camera.look(glm::radians(settings_.turn), 0.0, 0.0);
+            session_.setCamera(camera);
+        }
         while (session_.samples() == 0)
             session_.step(10.0);
         const Image<float> picture = session_.picture(1.0 / 255.0);
@@ -170,6 +189,8 @@ class Dive {
             io::writeImage(fmt::format("{}/dive_{:04}.png", settings_.dump, dumped_++), picture, 8, {});
         frames_.wall.push_back(1e3 * wall);
         frames_.processor.push_back(1e3 * (processorSeconds() - processor));
+        frames_.drawing.push_back(drawingTime() - drawing);
+        frames_.behind.push_back(counter(session_, "tiles in the background"));
         frames_.selection.push_back(counter(session_, "selection [ms]"));
         frames_.making.push_back(counter(session_, "tile making [ms]"));
         frames_.clipmap.push_back(counter(session_, "clipmap [ms]"));
@@ -192,6 +213,11 @@ void run(const Settings& settings) {
     scene.set("output.width", std::to_string(settings.width));
     scene.set("output.height", std::to_string(settings.height));
     scene.set("output.samples", std::string_view("1"));
+    for (const std::string& edit : settings.set) {
+        const std::size_t equals = edit.find('=');
+        if (equals == std::string::npos) throw Error(ErrorKind::BadInput, "--set takes PATH=VALUE", edit);
+        scene.set(edit.substr(0, equals), std::string_view(edit).substr(equals + 1));
+    }
     const Stopwatch all;
     Dive dive(*context, scene, settings);
     const Image<float> start = dive.still();
@@ -218,10 +244,12 @@ void run(const Settings& settings) {
         "| of a frame | median | 99 % | longest | 99 % / median | longest / median |\n|---|---|---|---|---|---|\n");
     printRow("wall time, ms", frames.wall);
     printRow("processor time, ms", frames.processor);
+    printRow("drawing, ms of processor", frames.drawing);
     printRow("selection, ms", frames.selection);
     printRow("tiles and prefetching, ms", frames.making);
     printRow("clipmap, ms", frames.clipmap);
     printRow("tiles drawn", frames.drawn);
+    printRow("tiles behind", frames.behind);
     printRow("tiles made", frames.made);
     printRow("tiles late", frames.late);
     fmt::print("\n| level | resident, MiB | sky, % | gradient, /255 | brightness |\n|---|---|---|---|---|\n");
@@ -255,6 +283,8 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(1, 1000));
     app.add_option("--frames", settings.frames, "Of a stretch")->check(CLI::Range(4, 100000));
     app.add_option("--speed", settings.speed, "Distances to the ground per second");
+    app.add_option("--turn", settings.turn, "Frames look around instead of flying, by so many degrees each");
+    app.add_option("--set", settings.set, "PATH=VALUE of the scene");
     app.add_option("--dump", settings.dump, "Folder for every fourth frame");
     CLI11_PARSE(app, argc, argv);
     return bench::runAs("apeiron_dive", [&] { run(settings); });

@@ -91,6 +91,10 @@ class Subject {
         return std::nullopt;
     }
 
+    /// How large what is around the camera is, as a power of ten of what an address begins with: in subjects without a
+    /// limit in depth, whose units change (see rebase()).
+    virtual std::optional<double> scalePower() const { return std::nullopt; }
+
     /// What it counts, for statistics: names and values of now.
     virtual std::vector<std::pair<std::string, double>> counters() const { return {}; }
 

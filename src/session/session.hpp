@@ -162,6 +162,9 @@ class Session {
 
     const Statistics& statistics() const { return statistics_; }
 
+    /// How large what is around the camera is, as a power of ten (see render::Subject::scalePower()).
+    std::optional<double> scalePower() const { return subject_->scalePower(); }
+
     /// What the subject counts (tiles drawn, generated, cached, ...): names and values of now.
     std::vector<std::pair<std::string, double>> counters() const { return subject_->counters(); }
 

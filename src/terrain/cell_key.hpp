@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <unordered_set>
 
 namespace apeiron::terrain {
 
@@ -25,5 +26,7 @@ struct CellKeyHash {
         return static_cast<std::size_t>(hash);
     }
 };
+
+using CellSet = std::unordered_set<CellKey, CellKeyHash>;
 
 } // namespace apeiron::terrain

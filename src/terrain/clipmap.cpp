@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace apeiron::terrain {
 namespace {
@@ -99,6 +100,10 @@ void Clipmap::fill(const Place& place, std::size_t slot, std::int64_t cellLevel,
     }
     const auto i = static_cast<int>(slot);
     texture_.upload(glm::ivec2(i % kAcross, i / kAcross) * kSide, {kSide, kSide}, std::span<const float>(texels_));
+}
+
+void Clipmap::addConstants(gpu::ShaderSource& source) {
+    source.addText("clipmap constants", "const int terrain_clip_most = " + std::to_string(kMostLevels) + ";\n");
 }
 
 void Clipmap::bind(gpu::Kernel& kernel) const {

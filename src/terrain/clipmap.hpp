@@ -18,6 +18,8 @@ class Clipmap {
     /// @param spacing of the finest points, or somewhat more [world] @param relief factor on heights
     void update(const Place& place, double spacing, double relief);
 
+    /// Adds the constants that terrain/glsl/clipmap.glsl stands on.
+    static void addConstants(gpu::ShaderSource& source);
     /// Sets the uniforms of terrain/glsl/clipmap.glsl.
     void bind(gpu::Kernel& kernel) const;
 

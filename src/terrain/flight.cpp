@@ -25,8 +25,8 @@ double partOf(double speed, double seconds) {
 
 } // namespace
 
-double scalePower(std::int64_t level) {
-    return -static_cast<double>(level) * std::log10(2.0);
+double scalePower(double level) {
+    return -level * std::log10(2.0);
 }
 
 Flight::Flight(Place place, const glm::dquat& orientation, double relief)

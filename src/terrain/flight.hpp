@@ -7,7 +7,8 @@
 namespace apeiron::terrain {
 
 /// Power of ten of a length of one cell of that level, in cells of level 0: -level log10(2).
-double scalePower(std::int64_t level);
+/// @param level may be between levels
+double scalePower(double level);
 
 /// A camera that flies over a terrain at any depth: without a limit, and without ever touching the ground.
 ///

@@ -65,6 +65,16 @@ Octave octave(const Shape& shape, std::int64_t level) {
     return {lowBias((n * 0x9E3779B9U) ^ shape.seed), amplitude(shape, level), level > 0 ? heightStep(shape, level) : 1};
 }
 
+void rootHeights(const Shape& shape, std::uint32_t x, std::uint32_t y, int count, std::int32_t* heights) {
+    const Octave octave = detail::octave(shape, 0);
+    const auto side = static_cast<std::uint32_t>(count);
+    for (std::uint32_t j = 0; j < side; ++j) {
+        const std::uint32_t row = octave.row(y + j);
+        for (std::uint32_t i = 0; i < side; ++i)
+            *heights++ = static_cast<std::int32_t>(octave.noise(row, x + i));
+    }
+}
+
 void subdivide(const Octave& octave, Kernel kernel, const std::uint32_t* parents, std::size_t stride, std::uint32_t x,
                std::uint32_t y, int firstX, int firstY, int count, std::uint32_t* children) {
     // A row of parents' weighted sums along y, then each child's along x: 64 h in all.
@@ -121,13 +131,8 @@ std::uint32_t amplitude(const Shape& shape, std::int64_t level) {
 }
 
 Cell rootCell(const Shape& shape, std::uint32_t x, std::uint32_t y) {
-    const detail::Octave octave = detail::octave(shape, 0);
     Cell cell{0, x, y, {}};
-    for (std::uint32_t j = 0; j < 4; ++j) {
-        const std::uint32_t row = octave.row(y - 1U + j);
-        for (std::uint32_t i = 0; i < 4; ++i)
-            cell.window[4 * j + i] = static_cast<std::int32_t>(octave.noise(row, x - 1U + i));
-    }
+    detail::rootHeights(shape, x - 1U, y - 1U, 4, cell.window.data());
     return cell;
 }
 

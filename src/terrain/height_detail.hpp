@@ -55,6 +55,9 @@ constexpr std::uint64_t parentHeight(std::uint64_t height, std::int32_t near, in
     return reference + static_cast<std::uint64_t>(difference >> static_cast<unsigned>(step));
 }
 
+/// The heights of a square block of lattice points of level 0: `count` along a side from (x, y). Noise alone.
+void rootHeights(const Shape& shape, std::uint32_t x, std::uint32_t y, int count, std::int32_t* heights);
+
 /// The heights of a square block of lattice points of level + 1 from one of level: `count` points along a side from
 /// (2 x + firstX, 2 y + firstY), of parents that begin at (x, y), `stride` of them in a row.
 /// @pre firstX, firstY >= 1, and parents reach to (firstX + count) / 2 + 1 along each axis

@@ -41,12 +41,7 @@ Cell Block::cell(int dx, int dy) const {
 
 Block rootBlock(const Shape& shape) {
     Block block;
-    const detail::Octave octave = detail::octave(shape, 0);
-    for (std::uint32_t j = 0; j < 6; ++j) {
-        const std::uint32_t row = octave.row(j - 2U);
-        for (std::uint32_t i = 0; i < 6; ++i)
-            block.heights[6 * j + i] = static_cast<std::int32_t>(octave.noise(row, i - 2U));
-    }
+    detail::rootHeights(shape, 0U - 2U, 0U - 2U, 6, block.heights.data());
     return block;
 }
 
@@ -292,6 +287,16 @@ int flattestChild(const Shape& shape, const Cell& cell) {
         least = slope;
     }
     return best;
+}
+
+std::optional<glm::dvec3> offsetBetween(Place from, const Place& to) {
+    constexpr std::int64_t kMostLevels = 8;
+    if (from.shape() != to.shape() || std::abs(from.level() - to.level()) > kMostLevels) return std::nullopt;
+    while (from.level() < to.level())
+        from.descend();
+    while (from.level() > to.level())
+        from.ascend();
+    return from.to(to);
 }
 
 Address flatSeekingAddress(const Shape& shape, Address start, std::int64_t levels) {

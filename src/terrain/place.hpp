@@ -4,6 +4,7 @@
 #include "terrain/height.hpp"
 
 #include <deque>
+#include <optional>
 #include <utility>
 
 namespace apeiron::terrain {
@@ -112,6 +113,10 @@ class Place {
     std::uint64_t y_ = 0;
     std::uint64_t height_ = 0;
 };
+
+/// From one place to another of the same terrain [cells of the latter's level]; nothing where they are more than 8
+/// levels apart.
+std::optional<glm::dvec3> offsetBetween(Place from, const Place& to);
 
 /// The address of `levels` levels that starts with `start` and from there always takes the child of least slope: ground
 /// that is flat at every scale, where slope, a random walk over the octaves, stays small (of interest for hurst 1000).

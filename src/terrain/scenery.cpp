@@ -43,17 +43,6 @@ constexpr double kPrefetchReach = 0.5;
 /// Of the autopilot: flown in one go, of the distance to the ground.
 constexpr double kMostFlown = 0.35;
 
-/// From one place to another of the same terrain [cells of the latter's level]; nothing where they are far apart.
-std::optional<glm::dvec3> offsetTo(Place from, const Place& to) {
-    constexpr std::int64_t kMostLevels = 8;
-    if (from.shape() != to.shape() || std::abs(from.level() - to.level()) > kMostLevels) return std::nullopt;
-    while (from.level() < to.level())
-        from.descend();
-    while (from.level() > to.level())
-        from.ascend();
-    return from.to(to);
-}
-
 /// A camera stops where the ground is so much nearer than at the way's beginning.
 constexpr double kNearest = 0.05;
 
@@ -161,13 +150,7 @@ void Scenery::makeRasters() {
         vertex.addFile("terrain/glsl/tile_vertex.glsl");
         gpu::ShaderSource fragment;
         fragment.addFile("terrain/glsl/tile_fragment.glsl");
-        raster_.emplace(context_, "terrain tiles", vertex, fragment,
-                        std::vector<gpu::Raster::Attribute>{
-                            {"grid", 2, true, false, 0},
-                            {"tile_place", 4, true, true, offsetof(Instance, place)},
-                            {"tile_height", 4, true, true, offsetof(Instance, height)},
-                            {"tile_scale", 4, false, true, offsetof(Instance, scale)},
-                        });
+        raster_.emplace(context_, "terrain tiles", vertex, fragment, tileAttributes());
     }
     if (debug_ < kBoxes || lines_) return;
     gpu::ShaderSource vertex;
@@ -265,11 +248,18 @@ void Scenery::prepare(gpu::KernelCache& kernels, gpu::Stage stage, const scene::
     Stopwatch watch;
     const bool frozen = subject.flag("frozen") && chosen_ && chosen_->shape() == site.shape &&
                         chosen_->level() == place.level() && !records_.empty() && cache_->cached() > 0;
-    const std::optional<glm::dvec3> moved = frozen ? offsetTo(*chosen_, place) : std::nullopt;
+    const std::optional<glm::dvec3> moved = frozen ? offsetBetween(*chosen_, place) : std::nullopt;
     moved_ = glm::vec3(0.0F);
+    apart_ = moved.has_value();
+    const bool atRest = std::exchange(atRest_, false);
+    if (background_) background_->leave();
+    view_.behind = nullptr;
     if (moved) {
         moved_ = glm::vec3(*moved * glm::dvec3(1.0, 1.0, site.relief));
     } else {
+        const Stopwatch looking;
+        if (!atRest) lookBehind(place, size, pixels, subject);
+        backgroundSeconds_ = looking.seconds();
         choose(place, size, pixels, kernels, stage);
     }
 
@@ -287,6 +277,22 @@ void Scenery::prepare(gpu::KernelCache& kernels, gpu::Stage stage, const scene::
         const std::uint64_t within = place.height() & ((std::uint64_t{1} << bits) - 1U);
         layers_[i] = static_cast<float>(std::ldexp(static_cast<double>(within), -static_cast<int>(bits)));
     }
+}
+
+void Scenery::lookBehind(const Place& place, glm::ivec2 size, double pixels, const parameter::Node& subject) {
+    // Lines and marks are not kept in it; and where its texels would be coarser than the picture's pixels there is
+    // none.
+    constexpr double kMostSide = 2048.0;
+    const double side = std::ceil(size.y / (view_.tanHalfFov / kWider));
+    const bool wanted = subject.flag("background") && debug_ == 0 && !orthographic_ && side <= kMostSide;
+    if (!wanted) {
+        background_.reset();
+        return;
+    }
+    if (!background_) background_.emplace(context_);
+    view_.ratio = splitRatio(size.y, view_.tanHalfFov / kWider, pixels, view_.tileLevels);
+    background_->look(place, view_, static_cast<int>(side), reversed_, cache_->capacity());
+    view_.behind = background_->cells();
 }
 
 void Scenery::choose(const Place& place, glm::ivec2 size, double pixels, gpu::KernelCache& kernels, gpu::Stage stage) {
@@ -322,26 +328,14 @@ void Scenery::choose(const Place& place, glm::ivec2 size, double pixels, gpu::Ke
         glm::ivec2 at = places[static_cast<std::size_t>(i)];
         if (at.x < 0) at = cache_->place(tile, maker_, kernels, stage);
         if (at.x < 0) break; // more than there is room for: only with the least ratio
-        const glm::vec3 eye(selection_.camera());
-        const double edge = tile.spacing * (1 << view_.tileLevels);
-        const glm::dvec2 least = glm::dvec2(tile.offset) * tile.spacing - glm::dvec2(eye);
-        const glm::dvec2 most = least + edge;
-        const glm::dvec3 reach(std::max(std::abs(least.x), std::abs(most.x)),
-                               std::max(std::abs(least.y), std::abs(most.y)),
-                               std::max(std::abs(tile.least), std::abs(tile.most)));
-        const auto farthest = static_cast<float>(1.01 * glm::length(reach));
-        const auto nearest = static_cast<float>(std::max(0.3 * tile.distance, 1e-3 * selection_.lastClearance()));
         const auto index = static_cast<int>(records_.size());
         const bool starts = groups_.empty() || order[static_cast<std::size_t>(i - 1)]->level != tile.level;
-        if (starts) groups_.push_back({index, 0, nearest, farthest});
+        if (starts) groups_.push_back({index, 0, {}});
         Group& group = groups_.back();
         ++group.count;
-        group.nearest = std::min(group.nearest, nearest);
-        group.farthest = std::max(group.farthest, farthest);
-        records_.push_back({{tile.offset, at},
-                            {tile.originHeight, static_cast<int>(tile.level - place.level()), 0, 0},
-                            {static_cast<float>(tile.spacing), static_cast<float>(tile.heightUnit), tile.morphScale,
-                             tile.morphOffset}});
+        const double edge = tile.spacing * (1 << view_.tileLevels);
+        group.range.include(depthRangeOf(tile, edge, selection_.camera(), selection_.lastClearance()));
+        records_.push_back(instanceOf(tile, at, place.level()));
         mark(tile);
     }
     if (!instances_)
@@ -354,6 +348,12 @@ void Scenery::choose(const Place& place, glm::ivec2 size, double pixels, gpu::Ke
     for (const Tile* tile : rest) {
         if (cache_->has(*tile)) continue; // it is drawn now
         if (most-- <= 0 || cache_->place(*tile, maker_, kernels, stage).x < 0) break;
+    }
+    if (background_) {
+        if (view_.behind == nullptr && missing_ == 0) background_->learn(selection_.tiles(), place.level());
+        const std::int64_t before = cache_->generated();
+        background_->stage(*cache_, most, maker_, kernels, stage);
+        most -= cache_->generated() - before;
     }
     if (missing_ == 0) prefetch(place, most, kernels, stage);
     made_ = cache_->generated() - generated;
@@ -410,7 +410,7 @@ void Scenery::select(const Place& place, glm::ivec2 size, double pixels) {
 
 void Scenery::prefetch(const Place& place, std::int64_t most, gpu::KernelCache& kernels, gpu::Stage stage) {
     if (!chosen_ || most <= 0) return;
-    const std::optional<glm::dvec3> moved = offsetTo(*chosen_, place);
+    const std::optional<glm::dvec3> moved = offsetBetween(*chosen_, place);
     const double length = moved ? glm::length(*moved) : 0.0;
     if (length <= 0.0) return;
     const glm::dvec3 way =
@@ -424,13 +424,14 @@ void Scenery::prefetch(const Place& place, std::int64_t most, gpu::KernelCache& 
 
 bool Scenery::due() {
     if (std::exchange(prepared_, false)) return false;
-    return missing_ > 0;
+    atRest_ = busy();
+    return atRest_;
 }
 
 void Scenery::drawRange(int first, int count, glm::vec3 depth, gpu::Raster::Depth kind) {
     raster_->set("tile_depth", depth);
-    raster_->draw(targets_, {vertices_, sizeof(glm::ivec2), indices_, indexCount_, instances_, sizeof(Instance)}, first,
-                  count, kind);
+    raster_->draw(targets_, {vertices_, sizeof(glm::ivec2), indices_, indexCount_, instances_, sizeof(TileInstance)},
+                  first, count, kind);
     if (marks_.empty()) return;
     const int each = static_cast<int>(marks_.size() / records_.size());
     lines_->set("tile_depth", depth);
@@ -441,6 +442,9 @@ void Scenery::drawRange(int first, int count, glm::vec3 depth, gpu::Raster::Dept
 void Scenery::draw(glm::vec2 shift, glm::vec2 lens) {
     if (orthographic_) return;
     const glm::vec2 size(targets_.size());
+    const Background::Eye eye{basis_, film_, 2.0F * shift / size, glm::vec3(lens_ * lens, 1.0F / focus_)};
+    const bool behind = background_ && background_->cells() != nullptr;
+    if (background_) background_->work(*cache_, vertices_, indices_, indexCount_, stride_);
     raster_->set("tile_heights", cache_->heights());
     raster_->set("tile_slopes", cache_->slopes());
     raster_->set("tile_stride", stride_);
@@ -452,25 +456,38 @@ void Scenery::draw(glm::vec2 shift, glm::vec2 lens) {
     raster_->set("tile_clearance", static_cast<float>(selection_.lastClearance()));
     for (gpu::Raster* raster : {&*raster_, marks_.empty() ? nullptr : &*lines_}) {
         if (raster == nullptr) continue;
-        raster->set("tile_basis", basis_);
-        raster->set("tile_film", film_);
-        raster->set("tile_shift", 2.0F * shift / size);
-        raster->set("tile_lens", glm::vec3(lens_ * lens, 1.0F / focus_));
+        raster->set("tile_basis", eye.basis);
+        raster->set("tile_film", eye.film);
+        raster->set("tile_shift", eye.shift);
+        raster->set("tile_lens", eye.lens);
     }
     targets_.clear(glm::vec4(0.0F), reversed_);
     if (reversed_) {
-        const auto nearest = static_cast<float>(std::max(1e-3 * selection_.lastClearance(), 1e-9));
+        const float nearest = nearestDrawn(selection_.lastClearance());
         drawRange(0, static_cast<int>(records_.size()), glm::vec3(0.0F, nearest, 0.0F), gpu::Raster::Depth::Reversed);
+        if (behind) background_->show(targets_, eye);
+        return;
+    }
+    if (apart_) {
+        // From elsewhere no order of levels is right: slices of the distance, from far to near.
+        constexpr float kSlice = 64.0F;
+        const float least = nearestDrawn(selection_.lastClearance());
+        DepthRange all;
+        for (const Group& group : groups_)
+            all.include(group.range);
+        for (float far = all.farthest + glm::length(moved_); far > least; far /= kSlice) {
+            targets_.clearDepth(false);
+            drawRange(0, static_cast<int>(records_.size()), DepthRange{far / kSlice, far}.projection(),
+                      gpu::Raster::Depth::Common);
+        }
         return;
     }
     // Tiles of a level and of all finer ones fill a rectangle about the camera: a ray that has left it never enters it
     // again. So each level hides all coarser ones, and each has all digits of the depth for itself.
+    if (behind) background_->show(targets_, eye);
     for (const Group& group : groups_) {
-        const float n = group.nearest;
-        const float f = group.farthest;
         targets_.clearDepth(false);
-        drawRange(group.first, group.count, glm::vec3(1.0F, (f + n) / (f - n), -2.0F * f * n / (f - n)),
-                  gpu::Raster::Depth::Common);
+        drawRange(group.first, group.count, group.range.projection(), gpu::Raster::Depth::Common);
     }
 }
 
@@ -560,7 +577,7 @@ render::Flown Scenery::autopilot(scene::Scene& scene, render::Autopilot way, dou
     const Place& place = flight_->place();
     render::Flown flown;
     const double relief = std::clamp(flight_->relief(), kLeastRelief, kMostRelief);
-    if (const auto offset = offsetTo(before, place)) flown.back = -*offset * glm::dvec3(1.0, 1.0, relief);
+    if (const auto offset = offsetBetween(before, place)) flown.back = -*offset * glm::dvec3(1.0, 1.0, relief);
     const auto levels = static_cast<int>(std::clamp<std::int64_t>(place.level() - before.level(), -1000, 1000));
     flown.scale = std::ldexp(1.0, levels);
     // What the camera looks at lies as far ahead as the ground is away: moves by hand go on from there.
@@ -584,9 +601,13 @@ std::vector<std::pair<std::string, double>> Scenery::counters() const {
             {"tiles generated", cache_ ? static_cast<double>(cache_->generated()) : 0.0},
             {"tiles cached", cache_ ? static_cast<double>(cache_->cached()) : 0.0},
             {"tiles' room", cache_ ? static_cast<double>(cache_->capacity()) : 0.0},
+            {"tiles in the background", background_ ? static_cast<double>(background_->tiles()) : 0.0},
+            {"background progress", background_ ? background_->progress() : 1.0},
+            {"background tiles drawn", background_ ? static_cast<double>(background_->drawn()) : 0.0},
             {"triangles", static_cast<double>(triangles_)},
             {"selection [ms]", 1e3 * selectSeconds_},
             {"tile making [ms]", 1e3 * makeSeconds_},
+            {"background [ms]", 1e3 * backgroundSeconds_},
             {"clipmap [ms]", 1e3 * clipSeconds_}};
 }
 

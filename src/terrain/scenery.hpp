@@ -2,6 +2,7 @@
 
 #include "gpu/raster.hpp"
 #include "render/subject.hpp"
+#include "terrain/background.hpp"
 #include "terrain/clipmap.hpp"
 #include "terrain/flight.hpp"
 #include "terrain/tile_cache.hpp"
@@ -38,10 +39,11 @@ class Scenery {
     /// What is around the camera, by lower bounds of the distance. @param way [world]
     render::Surroundings lookAround(const scene::Scene& scene, const glm::dvec3& way);
 
-    /// The tiles of a picture are made some at a time, coarse ones first: true when the next prepare() has more to do.
+    /// The tiles of a picture are made some at a time, coarse ones first, and a moving camera sees far ground as it was
+    /// a little way off: true when the next prepare() comes nearer to the exact picture.
     /// (Once after each prepare() it says no, so that its picture is seen.)
     bool due();
-    bool busy() const { return missing_ > 0; }
+    bool busy() const { return missing_ > 0 || view_.behind != nullptr; }
 
     /// Lets the camera fly by itself (see render::Subject::autopilot()). @throws Error (BadInput)
     render::Flown autopilot(scene::Scene& scene, render::Autopilot way, double speed, double seconds);
@@ -49,20 +51,17 @@ class Scenery {
     /// Goes to the cell, up or down, for which the camera's clearance is 1 to 4 (see render::Subject::rebase()).
     std::optional<double> rebase(scene::Scene& scene);
 
+    /// Power of ten of the distance to the ground, in cells of level 0, of the last picture.
+    double scale() const { return scalePower(zoom_); }
+
     std::vector<std::pair<std::string, double>> counters() const;
     std::vector<std::string> notes() const;
 
   private:
-    struct Instance {
-        glm::ivec4 place;
-        glm::ivec4 height;
-        glm::vec4 scale;
-    };
     struct Group {
         int first;
         int count;
-        float nearest; ///< [world]
-        float farthest;
+        DepthRange range;
     };
     /// A box of lines over the tiles.
     struct Mark {
@@ -80,6 +79,8 @@ class Scenery {
     Place placeOf(const scene::Scene& scene);
     /// Puts a camera that was flown somewhere into the scene. @param scale new units per old one
     static void put(scene::Scene& scene, const Place& place, double relief, double scale);
+    /// Decides what the background shows.
+    void lookBehind(const Place& place, glm::ivec2 size, double pixels, const parameter::Node& subject);
     /// Chooses and makes the tiles of a picture, and what is drawn of them.
     void choose(const Place& place, glm::ivec2 size, double pixels, gpu::KernelCache& kernels, gpu::Stage stage);
     /// Chooses the tiles, and no finer ones than can be made at once.
@@ -95,6 +96,7 @@ class Scenery {
     Selection selection_;
     SelectionView view_;
     std::optional<TileCache> cache_;
+    std::optional<Background> background_;
     Clipmap clipmap_;
     gpu::Texture position_;
     gpu::Texture slope_;
@@ -107,6 +109,7 @@ class Scenery {
     std::vector<Mark> marks_;     ///< as many for each of the records, in their order
     std::optional<Place> chosen_; ///< where the camera was when tiles were chosen
     glm::vec3 moved_{0.0F};       ///< the camera since then [world]
+    bool apart_ = false;          ///< the camera is not where tiles were chosen for
     gpu::Buffer vertices_;
     gpu::Buffer indices_;
     gpu::Buffer instances_;
@@ -122,13 +125,14 @@ class Scenery {
     std::int64_t missing_ = 0; ///< of it, tiles that were not there
     std::int64_t made_ = 0;    ///< tiles, for the last picture
     bool prepared_ = false;    ///< since the last due()
+    bool atRest_ = false;      ///< the next prepare() is for the exact picture
     bool lifted_ = false;      ///< the scene's camera is under the ground
     std::int64_t prefetched_ = 0;
     std::optional<Flight> flight_;               ///< of the autopilot ...
     std::optional<parameter::Node> flownCamera_; ///< ... which left the camera there
     std::optional<parameter::Node> flownSubject_;
     bool reversed_ = true;
-    std::vector<Instance> records_;
+    std::vector<TileInstance> records_;
     std::vector<Group> groups_;
     std::int64_t triangles_ = 0;
     double coarser_ = 1.0; ///< by what vertices are farther apart than asked for, where memory is short
@@ -140,6 +144,7 @@ class Scenery {
     std::array<float, 24> layers_{}; ///< the camera's height in layers of 2^(i - 10) cells, 0..1
     double selectSeconds_ = 0.0;
     double makeSeconds_ = 0.0;
+    double backgroundSeconds_ = 0.0;
     double clipSeconds_ = 0.0;
 };
 

@@ -1,6 +1,7 @@
 #include "terrain/selection.hpp"
 
 #include "terrain/cell_cache.hpp"
+#include "terrain/frustum.hpp"
 #include "terrain/height_detail.hpp"
 #include "terrain/horizon.hpp"
 
@@ -24,11 +25,6 @@ struct Level {
     double edge = 0.0;        ///< of a cell [world]
     std::uint64_t height = 0; ///< the camera's [2^-32 units]
     double unit = 0.0;        ///< of height [world]
-};
-
-struct Box {
-    glm::dvec3 least{0.0}; ///< from the camera [world]
-    glm::dvec3 most{0.0};
 };
 
 /// One turn's camera on all levels from the roots' on.
@@ -130,36 +126,6 @@ double distanceTo(const Box& box) {
         glm::dvec3(outside(box.least.x, box.most.x), outside(box.least.y, box.most.y), std::max(0.0, -box.most.z)));
 }
 
-/// The four planes of a view through the camera; normals point inside.
-class Frustum {
-  public:
-    explicit Frustum(const SelectionView& view) {
-        const double y = view.tanHalfFov;
-        const double x = y * view.aspect;
-        normals_ = {view.camera * glm::dvec3(1, 0, -x), view.camera * glm::dvec3(-1, 0, -x),
-                    view.camera * glm::dvec3(0, 1, -y), view.camera * glm::dvec3(0, -1, -y)};
-    }
-    /// Planes that the box is not known to be inside of, as bits; kOutside: it is outside of one.
-    /// @param planes likewise, of a box that this one is a part of
-    unsigned sees(const Box& box, unsigned planes) const {
-        for (unsigned i = 0; i < normals_.size(); ++i) {
-            if ((planes >> i & 1U) == 0) continue;
-            const glm::dvec3& n = normals_[i];
-            const glm::dvec3 low = n * box.least;
-            const glm::dvec3 high = n * box.most;
-            if (std::max(low.x, high.x) + std::max(low.y, high.y) + std::max(low.z, high.z) < 0.0) return kOutside;
-            if (std::min(low.x, high.x) + std::min(low.y, high.y) + std::min(low.z, high.z) >= 0.0)
-                planes &= ~(1U << i);
-        }
-        return planes;
-    }
-    static constexpr unsigned kAll = 15;
-    static constexpr unsigned kOutside = 16;
-
-  private:
-    std::array<glm::dvec3, 4> normals_;
-};
-
 /// Children from the one that is nearest to the camera on: of two cells, one that can hide the other comes first.
 std::array<int, 4> nearFirst(const Box& box) {
     const int x = box.least.x + box.most.x > 0.0 ? 0 : 1;
@@ -186,6 +152,15 @@ std::vector<std::int32_t> rootsOf(CellCache& cache, const Place& place, std::int
         roots.push_back(cache.node(place.shape(), cell));
     }
     return roots;
+}
+
+/// Whether the cell or one of its next ancestors is in the set.
+bool isWithin(const CellSet& cells, CellKey key) {
+    constexpr int kLevels = 8;
+    for (int i = 0; i <= kLevels; ++i, key = {key.level - 1, key.x >> 1U, key.y >> 1U}) {
+        if (cells.contains(key)) return true;
+    }
+    return false;
 }
 
 } // namespace
@@ -221,8 +196,10 @@ struct Selection::State {
         double ratio;
         double clearance;
         std::int64_t deepest;
+        std::int64_t finest;
         const Frustum* frustum;
         Horizon* horizon;
+        const CellSet* behind;
     };
 
     /// From the nine roots down.
@@ -239,8 +216,10 @@ struct Selection::State {
 
 void Selection::State::walk(const Walk& w) {
     found.clear();
-    for (const std::int32_t root : rootsOf(cache, w.place, w.levels.first()))
+    for (const std::int32_t root : rootsOf(cache, w.place, w.levels.first())) {
+        if (w.behind != nullptr && isWithin(*w.behind, cache[root].key)) continue;
         walk(w, root, false, w.frustum != nullptr ? Frustum::kAll : 0U);
+    }
 }
 
 void Selection::State::walk(const Walk& w, std::int32_t index, bool inside, unsigned planes) {
@@ -250,6 +229,10 @@ void Selection::State::walk(const Walk& w, std::int32_t index, bool inside, unsi
     if (planes != 0) planes = w.frustum->sees(box, planes);
     if (planes == Frustum::kOutside) return;
     if (w.horizon != nullptr && !inside && w.horizon->hides(box.least, box.most)) return;
+    if (w.behind != nullptr && w.behind->contains(cache[index].key)) {
+        if (w.horizon != nullptr) w.horizon->add(box.least, box.most);
+        return;
+    }
     const double edge = w.levels.at(level).edge;
     const double distance = groundDistance(box);
     if (std::max(distance, w.clearance) >= w.ratio * edge || level >= w.deepest) {
@@ -257,6 +240,7 @@ void Selection::State::walk(const Walk& w, std::int32_t index, bool inside, unsi
         if (w.horizon != nullptr) w.horizon->add(box.least, box.most);
         return;
     }
+    if (level >= w.finest) return;
     for (const int digit : nearFirst(box))
         walk(w, cache.child(w.place.shape(), index, digit), distance == 0.0, planes);
 }
@@ -390,11 +374,11 @@ const std::vector<Tile>& Selection::select(const Place& place, const SelectionVi
     state_->begin(place);
     const Levels levels(place, view.relief, view.octaves);
     clearance_ = state_->clearance(place, levels);
-    const Frustum frustum(view);
+    const Frustum frustum(view.camera, view.tanHalfFov, view.aspect);
     Horizon horizon;
     const std::int64_t deepest = deepestOf(levels, view);
-    state_->walk({place, levels, view.ratio, clearance_, deepest, view.cullFrustum ? &frustum : nullptr,
-                  view.cullHorizon ? &horizon : nullptr});
+    state_->walk({place, levels, view.ratio, clearance_, deepest, view.finest, view.cullFrustum ? &frustum : nullptr,
+                  view.cullHorizon ? &horizon : nullptr, view.behind});
     const TileMaker maker(place, levels, view, deepest);
     tiles_.clear();
     for (const auto& [index, box] : state_->found) {
@@ -411,9 +395,10 @@ std::vector<Tile> Selection::prefetch(const Place& place, const SelectionView& v
     Levels levels(place, view.relief, view.octaves);
     levels.shift(travel);
     const double clearance = state_->clearance(place, levels);
-    const Frustum frustum(view);
+    const Frustum frustum(view.camera, view.tanHalfFov, view.aspect);
     const std::int64_t deepest = deepestOf(levels, view);
-    state_->walk({place, levels, view.ratio, clearance, deepest, view.cullFrustum ? &frustum : nullptr, nullptr});
+    state_->walk({place, levels, view.ratio, clearance, deepest, view.finest, view.cullFrustum ? &frustum : nullptr,
+                  nullptr, view.behind});
     const TileMaker maker(place, levels, view, deepest);
     std::vector<Tile> tiles;
     for (const auto& [index, box] : state_->found) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "terrain/cell_key.hpp"
 #include "terrain/place.hpp"
 
 #include <limits>
@@ -24,6 +25,10 @@ struct SelectionView {
     /// No tile's cell is of a deeper level. All that would be finer is drawn by ancestors of that one level, unmorphed:
     /// without cracks, too.
     std::int64_t deepest = std::numeric_limits<std::int64_t>::max();
+    /// Cells that are split beyond this level are left out, and all ground in them: neither drawn nor hiding anything.
+    std::int64_t finest = std::numeric_limits<std::int64_t>::max();
+    /// Cells that something else shows: they are left out. May be none.
+    const CellSet* behind = nullptr;
     bool cullFrustum = true;
     bool cullHorizon = true;
 };

@@ -19,6 +19,7 @@ class Terrain : public render::Subject {
 
     void addSource(gpu::ShaderSource& source, const scene::Scene& scene,
                    const render::BuildOptions& options) const override {
+        Clipmap::addConstants(source);
         source.addModule(scene.subject.file(kSurfaceFile), "subject_", scene.subject, "subject", options.specialise,
                          gpu::ShaderSource::Rename::Parameters);
         const parameter::GlslModule& ground = scene.subject.module("ground");
@@ -56,6 +57,10 @@ class Terrain : public render::Subject {
                                            double seconds) const override {
         if (!scenery_) return std::nullopt;
         return scenery_->autopilot(scene, way, speed, seconds);
+    }
+
+    std::optional<double> scalePower() const override {
+        return scenery_ ? std::optional(scenery_->scale()) : std::nullopt;
     }
 
     bool update(const scene::Scene& /*scene*/, double /*budget*/) override { return scenery_ && scenery_->due(); }
@@ -127,6 +132,8 @@ std::vector<Parameter> parameters() {
         ranged(declare("octaves", Type::Int, std::int64_t{14}, "Levels that are drawn upwards of the address's"), 4,
                16),
         std::move(memory),
+        declare("background", Type::Bool, false,
+                "A moving camera sees far ground as it was a little way off, where that is right to half a pixel"),
         declare("frozen", Type::Bool, false, "The tiles stay those that were chosen, wherever the camera goes"),
         choice("heights", "automatic", {"automatic", "cpu", "gpu"}, "Where heights of tiles are computed"),
         choice("depth_test", "automatic", {"automatic", "reversed", "blocks"},

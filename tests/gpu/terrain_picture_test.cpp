@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iostream>
 
@@ -274,6 +275,127 @@ TEST(TerrainPicture, frozen_tiles_stay_while_the_camera_moves) {
     // Other tiles, so morphed by other amounts: within some vertex spacings.
     EXPECT_NEAR(*frozen / *fresh, 1.0, 0.02);
 }
+
+TEST(TerrainPicture, frozen_tiles_hide_each_other_without_clip_control_too) {
+    if (!gpu::canReverseDepth(context())) GTEST_SKIP() << "no clip control here to compare with";
+    std::array<Image<float>, 2> pictures;
+    for (const bool reversed : {false, true}) {
+        scene::Scene scene = range();
+        setAll(scene, {{"subject.frozen", "true"}, {"subject.depth_test", reversed ? "reversed" : "blocks"}});
+        session::Session session(context(), scene, {});
+        finish(session);
+        // From behind, over the near tiles: what was far is behind what was near, and the other way around.
+        scene::Camera camera = session.camera();
+        camera.fly({0.0, 0.5, -6.0});
+        camera.look(3.1, -0.2, 0.0);
+        session.setCamera(camera);
+        finish(session);
+        pictures[reversed ? 1 : 0] = session.layers().geometry;
+    }
+    std::size_t different = 0;
+    std::size_t seen = 0;
+    for (std::size_t i = 3; i < pictures[0].data().size(); i += 4) {
+        const float a = pictures[0].data()[i];
+        const float b = pictures[1].data()[i];
+        seen += a < 1e6F ? 1 : 0;
+        different += std::abs(a - b) > 1e-3F * std::max(a, b) ? 1 : 0;
+    }
+    EXPECT_GT(seen, pictures[0].data().size() / 4 / 4);
+    // At silhouettes, as of tiles that are not frozen.
+    EXPECT_LE(different, pictures[0].data().size() / 4 / 200);
+}
+
+/// Turns the camera until the background is there. Whether it is, in so many pictures.
+bool turnUntilShown(session::Session& session) {
+    for (int i = 0; i < 200; ++i) {
+        scene::Camera camera = session.camera();
+        camera.look(0.01, 0.0, 0.0);
+        session.setCamera(camera);
+        while (session.samples() == 0)
+            session.step(10.0);
+        if (counterOf(session, "tiles in the background") > 0.0) return true;
+    }
+    return false;
+}
+
+/// Of two pictures: the share of pixels that differ by more than a tenth, and the mean difference.
+std::pair<double, double> differenceOf(const Image<float>& a, const Image<float>& b) {
+    double many = 0.0;
+    double sum = 0.0;
+    for (std::size_t i = 0; i < a.data().size(); i += 4) {
+        double most = 0.0;
+        for (std::size_t c = 0; c < 3; ++c)
+            most =
+                std::max(most, std::abs(static_cast<double>(a.data()[i + c]) - static_cast<double>(b.data()[i + c])));
+        many += most > 0.1 ? 1.0 : 0.0;
+        sum += most;
+    }
+    const double pixels = static_cast<double>(a.data().size()) / 4.0;
+    return {many / pixels, sum / pixels};
+}
+
+/// What a session shows, turned aside and up by a pixel in all.
+Image<float> beside(const session::Session& session) {
+    scene::Scene scene = session.scene();
+    scene::Camera camera(scene.camera);
+    const double pixel = 2.0 * std::tan(0.5 * camera.fov()) / session.size().y;
+    camera.look(0.7 * pixel, 0.7 * pixel, 0.0);
+    scene.camera = camera.node();
+    return rendered(scene)->picture();
+}
+
+class TerrainBackground : public testing::TestWithParam<const char*> {};
+
+TEST_P(TerrainBackground, shows_a_moving_camera_what_tiles_would_show_and_nothing_of_it_stays) {
+    if (std::string_view(GetParam()) == "reversed" && !gpu::canReverseDepth(context())) GTEST_SKIP();
+    scene::Scene scene = range();
+    setAll(scene, {{"output.width", "192"},
+                   {"output.height", "108"},
+                   {"subject.memory", "192"},
+                   {"subject.background", "true"},
+                   {"subject.depth_test", GetParam()}});
+    session::Options options;
+    options.reproject = false; // or what was seen before would be in the picture as well
+    session::Session session(context(), scene, options);
+    finish(session);
+    ASSERT_TRUE(turnUntilShown(session));
+    int compared = 0;
+    double way = 0.0;
+    for (int i = 0; i < 12; ++i) {
+        const Image<float> moving = session.picture();
+        const double hits = shareOfHits(session.layers().albedo);
+        const bool shown = counterOf(session, "tiles in the background") > 0.0;
+        const double drawn = counterOf(session, "tiles drawn");
+        finish(session);
+        EXPECT_EQ(counterOf(session, "tiles in the background"), 0.0) << "a picture at rest is exact";
+        const Image<float> exact = session.picture();
+        if (shown) {
+            EXPECT_LT(drawn, 0.9 * counterOf(session, "tiles drawn"));
+            // It is up to half a pixel beside where it was, and seen through texels that are up to half a pixel off: as
+            // if the exact picture was seen less than a pixel beside, of which this is far ground only.
+            const auto [many, mean] = differenceOf(moving, exact);
+            const auto [manyBeside, meanBeside] = differenceOf(beside(session), exact);
+            EXPECT_LT(many, 0.5 * manyBeside) << "after " << way;
+            EXPECT_LT(mean, 0.5 * meanBeside) << "after " << way;
+            EXPECT_NEAR(hits, shareOfHits(session.layers().albedo), 0.01) << "after " << way;
+            ++compared;
+        } else {
+            EXPECT_TRUE(identical(moving, exact));
+        }
+        if (i == 11) EXPECT_TRUE(identical(exact, rendered(session.scene())->picture()));
+        // On, sideways and a little around: until it is used up.
+        scene::Camera camera = session.camera();
+        camera.look(0.01, 0.0, 0.0);
+        camera.fly({0.004, 0.0, -0.002});
+        way += 0.0045;
+        session.setCamera(camera);
+        while (session.samples() == 0)
+            session.step(10.0);
+    }
+    EXPECT_GE(compared, 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(depths, TerrainBackground, testing::Values("reversed", "blocks"));
 
 TEST(TerrainPicture, looks_alike_at_any_depth) {
     for (const int depth : {24, 90, 1024, 3400}) {

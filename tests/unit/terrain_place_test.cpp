@@ -189,7 +189,7 @@ TEST_P(TerrainDive, three_thousand_four_hundred_levels_down_and_home_again) {
     Flight flight(start, glm::angleAxis(1.2, glm::dvec3(1, 0, 0)));
     const Place home = flight.place();
     constexpr std::int64_t kLevels = 3400;
-    EXPECT_NEAR(scalePower(kLevels), -1023.5, 0.1);
+    EXPECT_NEAR(scalePower(static_cast<double>(kLevels)), -1023.5, 0.1);
     std::size_t warm = 0;
     double slopes = 0.0;
     double slopesSquared = 0.0;

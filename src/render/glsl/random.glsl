@@ -1,17 +1,9 @@
+#include "render/glsl/hash.glsl"
+
 // Random numbers that depend on nothing but pixel, sample index, dimension and scene seed.
 
 uniform uint random_seed;
 uniform uint random_sample; // index of the sample that is being computed, from 0
-
-// A 32-bit integer hash of low bias (Wellons 2018, "hash-prospector").
-uint random_hash(uint x) {
-    x ^= x >> 16;
-    x *= 0x7feb352du;
-    x ^= x >> 15;
-    x *= 0x846ca68bu;
-    x ^= x >> 16;
-    return x;
-}
 
 uint random_reverse(uint x) {
     x = ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);

@@ -1,9 +1,10 @@
-// Heights around the camera, for rays: nested squares of 256 x 256 points (terrain/clipmap.hpp).
+// Heights around the camera, for rays: nested squares of 256 x 256 points (terrain/clipmap.hpp, which also says how many:
+// terrain_clip_most).
 
 uniform sampler2D terrain_clip;
 uniform int terrain_clip_count;
-uniform vec4 terrain_clip_place[20]; // first point from the camera [world], height of the reference from the camera, 1 / spacing
-uniform float terrain_clip_unit[20]; // one unit of height [world]
+uniform vec4 terrain_clip_place[terrain_clip_most]; // first point from the camera [world], height of the reference from the camera, 1 / spacing
+uniform float terrain_clip_unit[terrain_clip_most]; // one unit of height [world]
 uniform int terrain_clip_slot;       // where the first square lies in the texture; the next ones are in the slots before
 uniform float terrain_clip_finest;   // spacing that the finest detail is for: no less than that of the first square [world]
 
@@ -31,7 +32,7 @@ float terrain_ground(vec2 p, int k) {
     ivec2 i = ivec2(u);
     vec2 f = u - vec2(i);
     int slot = terrain_clip_slot - k;
-    slot += slot < 0 ? 20 : 0;
+    slot += slot < 0 ? terrain_clip_most : 0;
     vec4 h = texelFetch(terrain_clip, i + 256 * ivec2(slot & 3, slot >> 2), 0);
     return place.z + terrain_clip_unit[k] * mix(mix(h.x, h.y, f.x), mix(h.z, h.w, f.x), f.y);
 }

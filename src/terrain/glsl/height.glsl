@@ -1,3 +1,5 @@
+#include "render/glsl/hash.glsl"
+
 // Heights of a tile's vertices, bit for bit those of terrain/height.hpp: each vertex descends on its own from the
 // window of the tile's cell. Integers that wrap around; no textures, so tiles need no order.
 
@@ -9,16 +11,6 @@ uniform int terrain_outer;          // outer weight of an even point's parents, 
 uniform int terrain_hash[8];        // of each level below the cell's, LevelUniforms
 uniform int terrain_amplitude[8];
 uniform int terrain_step[8];
-
-// A 32-bit integer hash of low bias (Wellons 2018, "hash-prospector").
-uint terrain_low_bias(uint x) {
-    x ^= x >> 16;
-    x *= 0x7feb352du;
-    x ^= x >> 15;
-    x *= 0x846ca68bu;
-    x ^= x >> 16;
-    return x;
-}
 
 // A child's height from four columns' (or three and nothing) sums along y: weights (w.x, w.y, w.z, w.w) along x.
 int terrain_child(ivec4 sums, ivec4 weights, int reference, int step) {
@@ -49,9 +41,9 @@ ivec4 terrain_row(ivec4 w0, ivec4 w1, ivec4 w2, ivec4 w3, int point, ivec4 a, iv
 }
 
 ivec4 terrain_noise(uint hash, uint amplitude, uint x, uint y) {
-    uint row = terrain_low_bias(y ^ hash);
-    uvec4 h = uvec4(terrain_low_bias(x ^ row), terrain_low_bias((x + 1u) ^ row), terrain_low_bias((x + 2u) ^ row),
-                    terrain_low_bias((x + 3u) ^ row));
+    uint row = random_hash(y ^ hash);
+    uvec4 h = uvec4(random_hash(x ^ row), random_hash((x + 1u) ^ row), random_hash((x + 2u) ^ row),
+                    random_hash((x + 3u) ^ row));
     return ivec4((((h >> 16) * amplitude) >> 15) - amplitude);
 }
 

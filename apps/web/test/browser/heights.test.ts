@@ -185,7 +185,8 @@ describe('terrain heights', () => {
     });
 
     it('are those of the recurrence in every bit, of a million vertices of both kernels', async () => {
-        const source = readFileSync(join(root, 'src/terrain/glsl/height.glsl'), 'utf8');
+        const read = (file: string) => readFileSync(join(root, 'src', file), 'utf8');
+        const source = read('terrain/glsl/height.glsl').replace(/^#include "(.*)"$/gm, (_, file: string) => read(file));
         const kTiles = 30; // of each kernel: 131 x 131 vertices each
         let compared = 0;
         let mismatches = 0;
