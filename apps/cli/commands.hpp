@@ -25,5 +25,6 @@ void addSchemaCommand(CLI::App& app, Action& action);
 void addMergeCommand(CLI::App& app, Action& action);
 void addBenchCommand(CLI::App& app, Action& action);
 void addTerrainCommand(CLI::App& app, Action& action);
+void addDiveCommand(CLI::App& terrain, Action& action); ///< of `terrain`
 
 } // namespace apeiron::cli

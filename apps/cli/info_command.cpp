@@ -6,6 +6,7 @@
 #include "io/volume_file.hpp"
 #include "scene_argument.hpp"
 #include "table.hpp"
+#include "terrain/flight.hpp"
 #include "volume_info.hpp"
 
 #include <fmt/format.h>
@@ -95,8 +96,19 @@ Json imageJson(const std::string& file) {
     return json;
 }
 
+/// How deep the cell is that a terrain's world units are.
+std::optional<std::int64_t> terrainLevel(const scene::Scene& scene) {
+    const parameter::Node& subject = scene.subject;
+    if (subject.type().name != "terrain") return std::nullopt;
+    return std::max(static_cast<std::int64_t>(subject.text("address").size()), subject.integer("depth"));
+}
+
 void printInfo(const scene::Scene& scene, const Json& image) {
     std::vector<Row> rows{{"title", scene.title.empty() ? "(none)" : scene.title}, {"subject", summary(scene.subject)}};
+    if (const auto level = terrainLevel(scene)) {
+        rows.push_back({"scale", fmt::format("10^{:.1f} of the terrain's root cell, {} levels below it",
+                                             terrain::scalePower(static_cast<double>(*level)), *level)});
+    }
     for (const parameter::Node& slot : scene.slots)
         rows.push_back({"slot", summary(slot)});
     rows.push_back({"renderer", summary(scene.renderer)});
@@ -137,7 +149,9 @@ int info(const std::string& argument, const VolumeForm& form, const VolumeQuesti
     const scene::Scene scene = loadScene(argument);
     const Json image = io::detectImageFormat(argument) ? imageJson(argument) : Json(nullptr);
     if (json) {
-        const Json all = {{"file", argument}, {"image", image}, {"scene", scene.toJson(true)}};
+        Json all = {{"file", argument}, {"image", image}, {"scene", scene.toJson(true)}};
+        if (const auto level = terrainLevel(scene))
+            all["scale_power"] = terrain::scalePower(static_cast<double>(*level));
         fmt::print("{}\n", all.dump(2, ' ', false, Json::error_handler_t::replace));
     } else {
         printInfo(scene, image);

@@ -99,6 +99,7 @@ Json toJson(const Measured& measured) {
     json["samples"] = session.samples();
     json["noise"] = session.samples() >= 2 ? Json(measured.noise) : Json(nullptr);
     json["seed"] = session.scene().output.integer("seed");
+    if (const std::optional<double> scale = session.scalePower()) json["scale_power"] = *scale;
     json["wall_s"] = measured.wallSeconds;
     json["samples_per_second"] = pixelRate(session, measured.renderSeconds);
     json["phases"] = std::move(phases);

@@ -103,10 +103,11 @@ void addHeight(CLI::App& terrain, Action& action) {
 } // namespace
 
 void addTerrainCommand(CLI::App& app, Action& action) {
-    CLI::App* command = app.add_subcommand("terrain", "Ask a terrain for its heights");
+    CLI::App* command = app.add_subcommand("terrain", "Ask a terrain for its heights, or fly into it");
     command->require_subcommand(1);
     command->footer("Example: apeiron terrain height --seed 19088743 --path 33013 --json");
     addHeight(*command, action);
+    addDiveCommand(*command, action);
 }
 
 } // namespace apeiron::cli

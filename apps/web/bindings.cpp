@@ -269,6 +269,19 @@ class Engine {
     double distanceToSurface() {
         return guarded([&] { return session().distanceToSurface(); });
     }
+    /// See session::Session::autopilot(). @param speed [distances to the surface per second] @param seconds [s]
+    bool autopilot(bool dive, double speed, double seconds) {
+        return guarded([&] {
+            return session().autopilot(dive ? render::Autopilot::Dive : render::Autopilot::Rise, speed, seconds);
+        });
+    }
+    /// See session::Session::scalePower(); null where there is none.
+    val scalePower() const {
+        return guarded([&] {
+            const std::optional<double> power = session().scalePower();
+            return power ? val(*power) : val::null();
+        });
+    }
     /// From the camera to its target [world units].
     double distanceToTarget() const {
         return guarded([&] { return session().camera().distance(); });
@@ -402,6 +415,8 @@ EMSCRIPTEN_BINDINGS(apeiron) {
         .function("emptyReason", &Engine::emptyReason)
         .function("distanceToSurface", &Engine::distanceToSurface)
         .function("distanceToTarget", &Engine::distanceToTarget)
+        .function("autopilot", &Engine::autopilot)
+        .function("scalePower", &Engine::scalePower)
         .function("pixels", &Engine::pixels)
         .function("statisticsJson", &Engine::statisticsJson)
         .function("device", &Engine::device)

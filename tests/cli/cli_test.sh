@@ -99,6 +99,18 @@ expect 2 '--seed: expected a whole number from 0 to 4294967295' terrain height -
 expect 2 "unknown kernel .*did you mean 'bilinear'" terrain height --path 1 --kernel bilinea
 expect 2 '--hurst: ' terrain height --path 1 --hurst 2
 expect 2 'terrain --help' terrain height
+expect 0 '^scale +10\^-12.0 of the terrain.s root cell, 40 levels below it$' info terrain_range
+dive() { apeiron terrain dive terrain_range -o "$1" --size 32x18 --samples 1 --fps 2 "${@:2}"; }
+dive '%02d.png' --frames 3
+verify 0 '^02.png  scale 10\^-1[2-9]' terrain dive
+check 'dive leaves its frames' test -s 00.png -a -s 01.png -a -s 02.png -a ! -e 03.png
+check 'frames of a dive differ' test "$(sha256sum <00.png)" != "$(sha256sum <02.png)"
+# Each frame is a scene: the next flight goes on from there.
+expect 0 '^0.jpg  scale' terrain dive 02.png -o '%d.jpg' --frames 9 --levels 0.01 --up
+expect 2 "-o: .*%04d.png" terrain dive terrain_range -o 'frame.png'
+expect 2 "-o: .*%04d.png" terrain dive terrain_range -o '%s.png'
+expect 2 'only terrain has an autopilot' terrain dive mandelbulb -o '%d.png'
+expect 2 '--levels: expected a number greater than 0' terrain dive terrain_range -o '%d.png' --levels 0
 
 # --- Scenes ---
 expect 2 "did you mean 'mandelbulb'" render mandelbul -o a.png

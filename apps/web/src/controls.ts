@@ -1,7 +1,7 @@
 // Mouse, touch and keys on the canvas.
 import { typing } from './dom';
 import { flightOf, fractionsOf, lookBy, orbitBy, panBy, PointerTracker, wheelFactor, type DragMode, type Frame } from './gestures';
-import type { Motion } from './protocol';
+import type { Autopilot, Motion } from './protocol';
 
 export interface ControlHost {
     motion(motion: Motion): void;
@@ -11,6 +11,8 @@ export interface ControlHost {
     resetCamera(): void;
     togglePause(): void;
     togglePanel(): void;
+    /** By itself, into the subject or out of it; again: no more. */
+    toggleAutopilot(way: Autopilot): void;
     help(): void;
     flying(active: boolean): void;
 }
@@ -124,6 +126,14 @@ export class Controls {
             case 'r':
             case 'R':
                 this.host.resetCamera();
+                break;
+            case 'z':
+            case 'Z':
+                this.host.toggleAutopilot('dive');
+                break;
+            case 'x':
+            case 'X':
+                this.host.toggleAutopilot('rise');
                 break;
             case 'f':
             case 'F':

@@ -63,6 +63,13 @@ export interface Engine {
     /** Infinity where the subject cannot tell [world units]. */
     distanceToSurface(): number;
     distanceToTarget(): number;
+    /**
+     * Lets the camera fly by itself, into the subject or out of it, at `speed` distances to the surface per second; false
+     * where the subject has no autopilot.
+     */
+    autopilot(dive: boolean, speed: number, seconds: number): boolean;
+    /** How large what is around the camera is, as a power of ten; null where units never change. */
+    scalePower(): number | null;
 
     /** sRGB with straight alpha, rows from the top. */
     pixels(): Uint8ClampedArray<ArrayBuffer>;

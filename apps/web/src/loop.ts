@@ -21,6 +21,7 @@ export type LoopEngine = Pick<
     Engine,
     | 'step' | 'show' | 'set' | 'tunable' | 'tune' | 'samples' | 'progress' | 'width' | 'height' | 'orbit' | 'pan' | 'zoom' | 'zoomAround' | 'look'
     | 'fly' | 'aim' | 'toTarget' | 'pointAt' | 'focusAt' | 'emptyReason' | 'distanceToSurface' | 'distanceToTarget'
+    | 'autopilot' | 'scalePower'
 >;
 
 /** Still moving so long after the last move [ms]. */
@@ -72,6 +73,7 @@ export class Loop {
     private zoom: { factor: number; at: { x: number; y: number } | null } = { factor: 1, at: null };
     private waitingMotion = false;
     private flight: (Motion & { kind: 'fly' }) | null = null;
+    private pilot: (Motion & { kind: 'autopilot' }) | null = null;
     private flownAt = 0;
     private anchor: { at: { x: number; y: number }; time: number; point: Vector | null } | null = null;
     private aim: { from: Vector; to: Vector; start: number } | null = null;
@@ -98,6 +100,7 @@ export class Loop {
     ) {}
 
     motion(motion: Motion): void {
+        if (motion.kind !== 'look') this.pilot = null;
         switch (motion.kind) {
             case 'orbit':
                 this.orbit.yaw += motion.yaw;
@@ -122,6 +125,14 @@ export class Loop {
                 } else {
                     this.flight = null;
                 }
+                this.wake();
+                return;
+            case 'autopilot':
+                if (motion.way) {
+                    this.flownAt = this.host.now();
+                    this.pilot = motion;
+                }
+                this.report(true);
                 this.wake();
                 return;
         }
@@ -169,6 +180,7 @@ export class Loop {
 
     /** Another scene or size: nothing of it has been shown. */
     restarted(): void {
+        this.pilot = null;
         this.forgetMoves();
         this.forgetSamples();
         this.report(true);
@@ -211,7 +223,7 @@ export class Loop {
     }
 
     private moving(): boolean {
-        return this.flight !== null || this.aim !== null || this.waitingMotion || this.host.now() - this.movedAt < kSettle;
+        return this.flight !== null || this.pilot !== null || this.aim !== null || this.waitingMotion || this.host.now() - this.movedAt < kSettle;
     }
 
     private tick(): void {
@@ -349,6 +361,11 @@ export class Loop {
             this.applyFlight(now);
             return true;
         }
+        if (this.pilot) {
+            const seconds = this.secondsFlown(now);
+            if (!this.engine.autopilot(this.pilot.way === 'dive', this.pilot.speed, seconds)) this.pilot = null;
+            return true;
+        }
         if (this.aim) {
             const { from, to, start } = this.aim;
             const t = Math.min((now - start) / kAimTime, 1);
@@ -400,10 +417,16 @@ export class Loop {
         if (allowed > 0 && allowed !== 1) this.engine.zoom(allowed);
     }
 
-    private applyFlight(now: number): void {
-        const flight = this.flight!;
+    /** Since the last time; no jumps where a picture takes long. */
+    private secondsFlown(now: number): number {
         const seconds = Math.min(now - this.flownAt, 100) / 1000;
         this.flownAt = now;
+        return seconds;
+    }
+
+    private applyFlight(now: number): void {
+        const flight = this.flight!;
+        const seconds = this.secondsFlown(now);
         const target = this.engine.distanceToTarget();
         let free = this.engine.distanceToSurface();
         if (!Number.isFinite(free)) free = target;
@@ -436,6 +459,8 @@ export class Loop {
             sampleMs: samples > 0 ? this.workMs / samples : 0,
             size: { width: this.engine.width(), height: this.engine.height() },
             distance: this.distance,
+            scale: this.engine.scalePower(),
+            autopilot: this.pilot?.way ?? null,
             emptyReason: this.emptyReason,
         });
     }

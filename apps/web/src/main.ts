@@ -5,7 +5,7 @@ import { byId, download, make, typing } from './dom';
 import { automaticScale, renderSize } from './gestures';
 import { Panel } from './panel';
 import { isPng, sceneOf, withScene } from './png';
-import { messageOf, type Answer, type Size, type Status } from './protocol';
+import { messageOf, type Answer, type Autopilot, type Size, type Status } from './protocol';
 import { deviceName, messagesOf, readingsOf } from './readings';
 import type { Json, SceneDocument, Schema } from './schema';
 import { installTips } from './tip';
@@ -32,6 +32,9 @@ declare global {
 /** The page decides the picture's size. */
 const kHidden = new Set(['output.width', 'output.height']);
 const kResizeDelay = 120;
+/** Distances to the ground per second. */
+const kAutopilotSpeed = 0.8;
+const kAutopilots: readonly Autopilot[] = ['dive', 'rise'];
 const kScaleKey = 'apeiron.scale';
 const kScales = ['0.25', '0.5', '0.75', '1', '1.5', '2'];
 
@@ -130,7 +133,9 @@ const readings = new Map<string, HTMLElement[]>();
 
 function showStatus(now: Status): void {
     const list = byId('readings');
-    for (const { key, label, value } of readingsOf(now)) {
+    const told = readingsOf(now);
+    for (const [key, [term]] of readings) term!.parentElement!.hidden = !told.some((reading) => reading.key === key);
+    for (const { key, label, value } of told) {
         let cells = readings.get(key);
         if (!cells) {
             const [term, text] = [make('dt'), make('dd')];
@@ -146,6 +151,8 @@ function showStatus(now: Status): void {
     meter.style.setProperty('--part', String(part));
     meter.setAttribute('aria-valuemax', String(now.limit));
     meter.setAttribute('aria-valuenow', String(now.samples));
+    byId('autopilot').hidden = now.scale === null;
+    for (const way of kAutopilots) byId(way).setAttribute('aria-pressed', String(now.autopilot === way));
     document.body.dataset['state'] = now.moving ? 'moving' : now.state;
 }
 
@@ -299,6 +306,11 @@ function togglePause(): void {
     pauseButton.setAttribute('aria-label', paused ? 'Go on' : 'Pause');
 }
 
+function toggleAutopilot(way: Autopilot): void {
+    if (!status || status.scale === null) return;
+    client.motion({ kind: 'autopilot', way: status.autopilot === way ? null : way, speed: kAutopilotSpeed });
+}
+
 function showPanel(visible: boolean): void {
     document.body.classList.toggle('no-panel', !visible);
     panelElement.inert = !visible;
@@ -314,6 +326,7 @@ const controls = new Controls(canvas, {
         if (initialCamera !== null) void attempt(() => client.request('set', { path: 'camera', value: initialCamera, live: false }));
     },
     togglePause,
+    toggleAutopilot,
     togglePanel: () => showPanel(document.body.classList.contains('no-panel')),
     help: () => help.showModal(),
     flying: (active) => showMode(active ? 'Flying: W A S D, E Q, mouse to look. F or Esc ends it.' : null),
@@ -321,6 +334,7 @@ const controls = new Controls(canvas, {
 
 function installButtons(): void {
     pauseButton.addEventListener('click', togglePause);
+    for (const way of kAutopilots) byId(way).addEventListener('click', () => toggleAutopilot(way));
     byId('panel-toggle').addEventListener('click', () => showPanel(document.body.classList.contains('no-panel')));
     byId('help-open').addEventListener('click', () => help.showModal());
     help.addEventListener('click', (event) => {

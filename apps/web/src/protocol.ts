@@ -64,7 +64,11 @@ export type Motion =
     /** [rad] */
     | { kind: 'look'; yaw: number; pitch: number }
     /** Steady flight: each from -1 to 1, `speed` in distances to the surface per second. All 0 ends it. */
-    | { kind: 'fly'; right: number; up: number; ahead: number; speed: number };
+    | { kind: 'fly'; right: number; up: number; ahead: number; speed: number }
+    /** By itself, until any other move; `way` null ends it. */
+    | { kind: 'autopilot'; way: Autopilot | null; speed: number };
+
+export type Autopilot = 'dive' | 'rise';
 
 export type ToWorker =
     | { [N in RequestName]: { type: 'request'; id: number; name: N; ask: Ask<N> } }[RequestName]
@@ -99,6 +103,9 @@ export interface Status {
     size: Size;
     /** To the nearest surface [world units]; null: not known. */
     distance: number | null;
+    /** Of what is around the camera, as a power of ten; null: its units never change, and there is no autopilot. */
+    scale: number | null;
+    autopilot: Autopilot | null;
     /** Why the picture shows nothing, in a line; empty: it shows something, or is not known yet. */
     emptyReason: string;
 }

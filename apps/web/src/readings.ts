@@ -15,6 +15,15 @@ export function short(value: number): string {
     return size >= 100 ? value.toFixed(0) : String(Number(value.toPrecision(3)));
 }
 
+/** A power of ten as people write it: one digit and an exponent. */
+export function powerOfTen(power: number): string {
+    let exponent = Math.floor(power);
+    let digit = Math.round(10 ** (power - exponent));
+    if (digit === 10) [digit, exponent] = [1, exponent + 1];
+    const raised = [...String(exponent)].map((sign) => (sign === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[Number(sign)])).join('');
+    return digit === 1 ? `10${raised}` : `${digit} · 10${raised}`;
+}
+
 export function milliseconds(ms: number): string {
     if (ms >= 9950) return `${(ms / 1000).toFixed(0)} s`;
     if (ms >= 1000) return `${(ms / 1000).toFixed(1)} s`;
@@ -49,5 +58,6 @@ export function readingsOf(status: Status): Reading[] {
         { key: 'step', label: 'Step', value: milliseconds(status.stepMs) },
         { key: 'size', label: 'Size', value: `${status.size.width} × ${status.size.height}` },
         { key: 'distance', label: 'Distance', value: status.distance === null ? '–' : Number.isFinite(status.distance) ? short(status.distance) : '∞' },
+        ...(status.scale === null ? [] : [{ key: 'scale', label: 'Scale', value: powerOfTen(status.scale) }]),
     ];
 }

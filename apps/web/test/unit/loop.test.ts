@@ -69,6 +69,12 @@ class FakeEngine implements LoopEngine {
     emptyReason = () => this.empty;
     distanceToSurface = () => this.surface;
     distanceToTarget = () => 1;
+    flies = true;
+    autopilot(dive: boolean, speed: number, seconds: number): boolean {
+        if (this.flies) this.reset(`${dive ? 'dive' : 'rise'} ${(speed * seconds).toFixed(3)}`);
+        return this.flies;
+    }
+    scalePower = (): number | null => (this.flies ? -12 : null);
 }
 
 function rig(cost: number) {
@@ -133,6 +139,31 @@ describe('the loop', () => {
         settle();
         expect(engine.log.filter((entry) => entry.startsWith('orbit'))).toEqual(['orbit 3']);
         expect(engine.samples()).toBe(4);
+    });
+
+    it('flies by itself, picture by picture, until someone else moves', () => {
+        const { engine, loop, settle, tick, statuses } = rig(4);
+        loop.restarted();
+        settle();
+        loop.motion({ kind: 'autopilot', way: 'dive', speed: 2 });
+        for (let i = 0; i < 20; i++) tick();
+        const dives = engine.log.filter((entry) => entry.startsWith('dive'));
+        expect(dives.length).toBeGreaterThan(5);
+        expect(statuses.at(-1)).toMatchObject({ autopilot: 'dive', moving: true, scale: -12 });
+        loop.motion(orbit(1));
+        settle();
+        expect(engine.log.slice(engine.log.indexOf('orbit 1')).some((entry) => entry.startsWith('dive'))).toBe(false);
+        expect(statuses.at(-1)).toMatchObject({ autopilot: null, moving: false, state: 'finished' });
+    });
+
+    it('does not fly by itself where the subject cannot', () => {
+        const { engine, loop, settle, statuses } = rig(4);
+        engine.flies = false;
+        loop.restarted();
+        settle();
+        loop.motion({ kind: 'autopilot', way: 'rise', speed: 2 });
+        settle();
+        expect(statuses.at(-1)).toMatchObject({ autopilot: null, scale: null, state: 'finished' });
     });
 
     it('shows something between moves, however slow the device', () => {

@@ -1,10 +1,10 @@
 import { describe, expect, it } from 'vitest';
 import type { Status } from '../../src/protocol';
-import { deviceName, messagesOf, milliseconds, readingsOf, short } from '../../src/readings';
+import { deviceName, messagesOf, milliseconds, powerOfTen, readingsOf, short } from '../../src/readings';
 
 const status: Status = {
     state: 'rendering', samples: 3, limit: 64, progress: 0.5, moving: true, fps: 29.7, stepMs: 12, sampleMs: 430,
-    size: { width: 640, height: 360 }, distance: null, emptyReason: '',
+    size: { width: 640, height: 360 }, distance: null, scale: null, autopilot: null, emptyReason: '',
 };
 
 describe('messages', () => {
@@ -20,6 +20,12 @@ describe('readings', () => {
     it('keep numbers short at every scale', () => {
         expect([0, 1.6034, 123.4, 0.00000123, 1e6].map(short)).toEqual(['0', '1.6', '123', '1.2 e-6', '1.0 e6']);
         expect([0.42, 42.4, 1234, 61000].map(milliseconds)).toEqual(['0.4 ms', '42 ms', '1.2 s', '61 s']);
+    });
+
+    it('tell the scale as a power of ten, where there is one', () => {
+        expect([-12, -12.4, -0.02, -1023.5, 0].map(powerOfTen)).toEqual(['10⁻¹²', '4 · 10⁻¹³', '10⁰', '3 · 10⁻¹⁰²⁴', '10⁰']);
+        expect(readingsOf(status).some((reading) => reading.key === 'scale')).toBe(false);
+        expect(readingsOf({ ...status, scale: -12 }).at(-1)).toEqual({ key: 'scale', label: 'Scale', value: '10⁻¹²' });
     });
 
     it("find the device's name in what browsers tell", () => {
