@@ -14,7 +14,7 @@
 namespace apeiron::cli {
 namespace {
 
-constexpr const char* kAbout = "Apeiron renders worlds without triangles: distance-field fractals.\n"
+constexpr const char* kAbout = "Apeiron renders worlds without triangles: 3D fractals, endless terrain, volumes.\n"
                                "Each command has its own --help.";
 constexpr const char* kExamples =
     "Examples:\n"

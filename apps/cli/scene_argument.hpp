@@ -8,9 +8,9 @@
 namespace apeiron::cli {
 
 /// What SCENE may be, for help texts.
-inline constexpr const char* kSceneHelp =
-    "A scene's .json file, a picture by Apeiron (.png .jpg .exr), a gallery name (see 'apeiron list scenes'), or - for "
-    "standard input";
+inline constexpr const char* kSceneHelp = "A scene's .json file, a picture by Apeiron (.png .jpg .exr), a volume "
+                                          "(NRRD, NIfTI, MetaImage, TIFF, OpenVDB, a folder of "
+                                          "DICOM), a gallery name (see 'apeiron list scenes'), or - for standard input";
 
 /// Loads what a SCENE argument names. Paths inside a document are relative to its folder.
 /// @throws Error (BadInput, Io).
