@@ -382,7 +382,9 @@ TEST_P(TerrainBackground, shows_a_moving_camera_what_tiles_would_show_and_nothin
         } else {
             EXPECT_TRUE(identical(moving, exact));
         }
-        if (i == 11) EXPECT_TRUE(identical(exact, rendered(session.scene())->picture()));
+        if (i == 11) {
+            EXPECT_TRUE(identical(exact, rendered(session.scene())->picture()));
+        }
         // On, sideways and a little around: until it is used up.
         scene::Camera camera = session.camera();
         camera.look(0.01, 0.0, 0.0);
