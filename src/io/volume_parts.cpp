@@ -55,7 +55,8 @@ class OpenFile {
 /// Reads boxes of a file of bare voxels.
 class RawReader {
   public:
-    RawReader(const fs::path& path, const RawForm& form) : file_(std::make_shared<const OpenFile>(path)), form_(form) {}
+    RawReader(const fs::path& path, const RawForm& form)
+        : file_(std::make_shared<const OpenFile>(path)), scratch_(std::make_shared<Volume>()), form_(form) {}
 
     void operator()(const VoxelBox& box, int channel, int time, float* to) const {
         const std::uint64_t width = volume::bytesPerVoxel(form_.type);
@@ -67,7 +68,7 @@ class RawReader {
                                     x * y * z;
         // From the first to the last voxel of a slice of the box in one piece: fewer calls are worth more than what is
         // read in vain.
-        Volume slice;
+        Volume& slice = *scratch_;
         slice.type = form_.type;
         const auto rows = static_cast<std::uint64_t>(box.size.y);
         slice.voxels.resize((x * (rows - 1) + static_cast<std::uint64_t>(box.size.x)) * width);
@@ -92,6 +93,7 @@ class RawReader {
 
   private:
     std::shared_ptr<const OpenFile> file_;
+    std::shared_ptr<Volume> scratch_; ///< what was read last: memory that need not be allocated each time
     RawForm form_;
 };
 
