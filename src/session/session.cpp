@@ -399,9 +399,11 @@ StepResult Session::step(double budget) {
     bool mustWork = true;
     budget *= kPlanned;
     if (subject_->update(scene_, 0.25 * budget)) {
-        if (options_.reproject) keepPicture();
+        // (What is not whole would leave its holes in the next one.)
+        const bool keep = options_.reproject && wholePicture();
+        if (keep) keepPicture();
         renderer_->setScene(scene_, render::View(scene_, size()), *subject_);
-        restart(options_.reproject);
+        restart(keep);
     }
     result.changed = moved_;
     moved_ = false;
