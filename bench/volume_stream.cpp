@@ -19,8 +19,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
+#include <ctime>
 #include <fstream>
-#include <sys/resource.h>
 
 namespace {
 
@@ -81,6 +82,11 @@ double residentMegabytes() {
     return resident * 4096.0 / 1e6;
 }
 
+/// Of all threads [s].
+double cpuSeconds() {
+    return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
 scene::Scene makeScene(const Settings& settings) {
     scene::Scene scene(session::catalogue());
     scene.set("subject", Json{{"type", "volume"},
@@ -118,11 +124,15 @@ void measure(const Settings& settings) {
         before = residentMegabytes();
         std::remove(small.file.c_str());
     }
+    const double cpuBefore = cpuSeconds();
     const Stopwatch watch;
     session::Session session(*context, makeScene(settings), options);
     const double ready = watch.seconds();
+    const double readyCpu = cpuSeconds() - cpuBefore;
     double first = 0.0;
+    double firstCpu = 0.0;
     double complete = 0.0;
+    double completeCpu = 0.0;
     double most = 0.0;
     double longest = 0.0;
     int restarts = 0;
@@ -138,6 +148,7 @@ void measure(const Settings& settings) {
         most = std::max(most, residentMegabytes());
         if (first == 0.0 && (result.samples > 0 || session.progress() * kInterleave * kInterleave >= 1.0)) {
             first = watch.seconds();
+            firstCpu = cpuSeconds() - cpuBefore;
             if (!settings.pictures.empty()) io::writeImage(settings.pictures + "/first.png", session.picture(), 8, {});
         }
         const auto counters = session.counters();
@@ -148,13 +159,15 @@ void measure(const Settings& settings) {
             complete = 0.0;
         } else if (complete == 0.0) {
             complete = watch.seconds();
+            completeCpu = cpuSeconds() - cpuBefore;
         }
     }
     if (!settings.pictures.empty()) io::writeImage(settings.pictures + "/last.png", session.picture(), 8, {});
     fmt::print("{}: {}^3 bytes, {} MiB, {}x{} {}\n", context->capabilities().renderer, settings.edge, settings.memory,
                settings.size, settings.size, settings.renderer);
-    fmt::print("everything read once {:.1f} s, first picture {:.1f} s, all bricks {:.1f} s, 4 samples {:.1f} s\n",
-               ready, first, complete, watch.seconds());
+    fmt::print("seconds (of all processors): everything read once {:.1f} ({:.1f}), first picture {:.1f} ({:.1f}), all "
+               "bricks {:.1f} ({:.1f}), 4 samples {:.1f} ({:.1f})\n",
+               ready, readyCpu, first, firstCpu, complete, completeCpu, watch.seconds(), cpuSeconds() - cpuBefore);
     fmt::print("samples begun anew {} times; longest step {:.0f} ms\n", restarts, 1e3 * longest);
     fmt::print("resident memory: {:.0f} MB more than with a small volume, {:.0f} MB at most\n",
                residentMegabytes() - before, most - before);

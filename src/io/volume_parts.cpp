@@ -11,6 +11,7 @@
 #include <cmath>
 #include <fcntl.h>
 #include <system_error>
+#include <type_traits>
 #include <unistd.h>
 
 namespace apeiron::io {
@@ -84,7 +85,11 @@ class RawReader {
                     const auto* row = voxels + static_cast<std::uint64_t>(j) * x;
                     for (int i = 0; i < box.size.x; ++i) {
                         const float value = volume::number(row[i]);
-                        *to++ = std::isfinite(value) ? value : 0.0F;
+                        if constexpr (std::is_integral_v<std::decay_t<decltype(*row)>>) {
+                            *to++ = value;
+                        } else {
+                            *to++ = std::isfinite(value) ? value : 0.0F;
+                        }
                     }
                 }
             });

@@ -47,6 +47,21 @@ gpu::GridFormat formatOf(Texel texel, int channels) {
     return kFormats[3 * static_cast<std::size_t>(texel) + column];
 }
 
+/// Widens ranges by a row of values, one by one. In pieces of a fixed length: of those, compilers make vectors.
+void widenRow(const float* __restrict values, std::size_t count, float* __restrict low, float* __restrict high) {
+    constexpr std::size_t kPiece = 16;
+    std::size_t i = 0;
+    for (; i + kPiece <= count; i += kPiece)
+        for (std::size_t k = i; k < i + kPiece; ++k) {
+            low[k] = std::min(low[k], values[k]);
+            high[k] = std::max(high[k], values[k]);
+        }
+    for (; i < count; ++i) {
+        low[i] = std::min(low[i], values[i]);
+        high[i] = std::max(high[i], values[i]);
+    }
+}
+
 /// The largest of any range of a table (a sparse table: Bender & Farach-Colton 2000).
 class RangeMaximum {
   public:
@@ -143,36 +158,40 @@ BrickRanges brickRanges(glm::ivec3 size, int channels, int side, const SliceRead
     result.ranges.assign(bricks * static_cast<std::size_t>(channels), glm::vec2(kMost, -kMost));
     const auto width = static_cast<std::size_t>(size.x);
     std::vector<float> values(width * static_cast<std::size_t>(size.y));
-    // Of a row of voxels, by bricks; then of the rows of a slice. A voxel counts for every brick that it is next to.
-    std::vector<glm::vec2> row(static_cast<std::size_t>(result.size.x));
-    std::vector<glm::vec2> plane(row.size() * static_cast<std::size_t>(result.size.y));
-    const auto widen = [](glm::vec2& range, glm::vec2 other) {
-        range = {std::min(range.x, other.x), std::max(range.y, other.y)};
-    };
+    // Of the rows of a slice by bricks, for each column; then of all columns. A voxel counts for every brick that it is
+    // next to.
+    const auto rows = static_cast<std::size_t>(result.size.y);
+    std::vector<float> low(rows * width);
+    std::vector<float> high(rows * width);
     const auto first = [&](int i) { return std::max((i - 1) / side, 0); };
     const auto last = [&](int i, int count) { return std::min((i + 1) / side, count - 1); };
     for (int channel = 0; channel < channels; ++channel) {
         for (int z = 0; z < size.z; ++z) {
             read(channel, z, values);
-            std::fill(plane.begin(), plane.end(), glm::vec2(kMost, -kMost));
+            std::fill(low.begin(), low.end(), kMost);
+            std::fill(high.begin(), high.end(), -kMost);
             for (int y = 0; y < size.y; ++y) {
                 const float* line = &values[static_cast<std::size_t>(y) * width];
-                for (int b = 0; b < result.size.x; ++b) {
-                    const auto begin = static_cast<std::size_t>(std::max(b * side - 1, 0));
-                    const auto end = std::min(static_cast<std::size_t>((b + 1) * side + 1), width);
-                    const auto [low, high] = std::minmax_element(line + begin, line + end);
-                    row[static_cast<std::size_t>(b)] = {*low, *high};
-                }
                 for (int b = first(y); b <= last(y, result.size.y); ++b) {
-                    for (std::size_t x = 0; x < row.size(); ++x)
-                        widen(plane[static_cast<std::size_t>(b) * row.size() + x], row[x]);
+                    const std::size_t at = static_cast<std::size_t>(b) * width;
+                    widenRow(line, width, &low[at], &high[at]);
                 }
             }
-            for (int b = first(z); b <= last(z, result.size.z); ++b) {
-                glm::vec2* to = &result.ranges[static_cast<std::size_t>(channel) * bricks +
-                                               static_cast<std::size_t>(b) * plane.size()];
-                for (std::size_t i = 0; i < plane.size(); ++i)
-                    widen(to[i], plane[i]);
+            for (std::size_t row = 0; row < rows; ++row) {
+                for (int x = 0; x < result.size.x; ++x) {
+                    const auto begin = static_cast<std::size_t>(std::max(x * side - 1, 0));
+                    const auto end = std::min(static_cast<std::size_t>((x + 1) * side + 1), width);
+                    glm::vec2 range(kMost, -kMost);
+                    for (std::size_t i = row * width + begin; i < row * width + end; ++i)
+                        range = {std::min(range.x, low[i]), std::max(range.y, high[i])};
+                    for (int b = first(z); b <= last(z, result.size.z); ++b) {
+                        glm::vec2& to = result.ranges[static_cast<std::size_t>(channel) * bricks +
+                                                      (static_cast<std::size_t>(b) * rows + row) *
+                                                          static_cast<std::size_t>(result.size.x) +
+                                                      static_cast<std::size_t>(x)];
+                        to = {std::min(to.x, range.x), std::max(to.y, range.y)};
+                    }
+                }
             }
         }
     }
