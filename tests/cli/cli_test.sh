@@ -355,9 +355,8 @@ printf 'ObjectType = Image\nNDims = 3\nDimSize = 60000 60000 60000\nElementType 
 expect 2 'huge.mha: its header asks for .* GB of memory' info huge.mha
 printf 'ObjectType = Image\nNDims = 99\nDimSize = 1\nElementType = MET_FLOAT\nElementDataFile = LOCAL\n' >bad.mha
 expect 2 'bad.mha: NDims' info bad.mha
-# A volume that is larger than the memory for it: read in parts. (A file of nothing but a hole, and one voxel.)
-head -c 2097151 /dev/zero >large.raw
-printf '\377' >>large.raw
+# A volume that is larger than the memory for it: read in parts.
+{ head -c 1048576 /dev/zero | tr '\0' x; head -c 1048576 /dev/zero; } >large.raw
 printf '{ "subject": {"type": "volume", "source": "large.raw", "raw": "128x128x128:uint8"}, "renderer": {"type": "mip"} }' >large.json
 expect 0 'large.png' render large.json -o large.png --size 16x16 --samples 1 --memory 1M
 check 'a note says that not all is shown' grep -q 'note: 128x128x128 voxels are more than the memory' stderr
