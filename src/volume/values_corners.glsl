@@ -27,3 +27,5 @@ vec4 volume_stored(vec3 place) {
     vec2 line = mix(plane.xy, plane.zw, f.y);
     return vec4(mix(line.x, line.y, f.x), 0.0, 0.0, 1.0);
 }
+
+float volume_reach(vec3 place) { return 1.0; }

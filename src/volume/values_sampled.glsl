@@ -16,3 +16,5 @@ vec4 volume_stored(vec3 place) {
                     mix(volume_texel(c + ivec3(0, 1, 1)), volume_texel(c + ivec3(1, 1, 1)), f.x), f.y);
     return mix(low, high, f.z);
 }
+
+float volume_reach(vec3 place) { return 1.0; }

@@ -30,6 +30,9 @@ vec3 volume_place(vec3 position) { return volume_to_grid * position + volume_cam
 // Stored values between voxels: in values_sampled.glsl or values_corners.glsl.
 vec4 volume_stored(vec3 place);
 
+// Distance of the values between which they are interpolated there: 1, and more where a coarser level is shown.
+float volume_reach(vec3 place);
+
 // Places in the transfer function, 0..1.
 vec4 volume_values(vec3 place) { return volume_stored(place) * volume_scale + volume_offset; }
 
@@ -41,13 +44,14 @@ float volume_largest(vec4 values) {
     return most;
 }
 
-// Differences of two neighbours, one voxel away: per grid unit, in the places of the transfer function.
+// Differences of two neighbours, one voxel of what is shown away: per grid unit, in the places of the transfer function.
 vec3 volume_slope(vec3 place, int channel) {
     vec3 slope;
+    float reach = volume_reach(place);
     for (int i = 0; i < 3; ++i) {
-        vec3 aside = vec3(i == 0, i == 1, i == 2);
+        vec3 aside = reach * vec3(i == 0, i == 1, i == 2);
         vec4 d = volume_stored(place + aside) - volume_stored(place - aside);
-        slope[i] = 0.5 * d[channel] * volume_scale[channel];
+        slope[i] = 0.5 / reach * d[channel] * volume_scale[channel];
     }
     return slope;
 }
@@ -55,14 +59,15 @@ vec3 volume_slope(vec3 place, int channel) {
 // The gradient in world space of the sum of all channels.
 vec3 volume_world_gradient(vec3 place) {
     vec3 slope;
+    float reach = volume_reach(place);
     for (int i = 0; i < 3; ++i) {
-        vec3 aside = vec3(i == 0, i == 1, i == 2);
+        vec3 aside = reach * vec3(i == 0, i == 1, i == 2);
         vec4 d = (volume_stored(place + aside) - volume_stored(place - aside)) * volume_scale;
         float sum = d.x;
         if (volume_channels > 1) sum += d.y;
         if (volume_channels > 2) sum += d.z;
         if (volume_channels > 3) sum += d.w;
-        slope[i] = 0.5 * sum;
+        slope[i] = 0.5 / reach * sum;
     }
     return slope * volume_to_grid;
 }
