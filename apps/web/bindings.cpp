@@ -4,6 +4,9 @@
 #include "core/error.hpp"
 #include "core/resources.hpp"
 #include "session/session.hpp"
+#include "session/volume_scene.hpp"
+#include "volume/source.hpp"
+#include "volume_data.hpp"
 
 #include <emscripten/bind.h>
 #include <emscripten/val.h>
@@ -83,6 +86,51 @@ class Engine {
             scene::Scene scene = scene::Scene::parse(session::catalogue(), name, text);
             setSize(scene, width, height);
             session().setScene(std::move(scene));
+        });
+    }
+
+    /// Shows a volume that JavaScript read, as a scene of its own, which knows it by `name`. The last one is given up.
+    /// @param voxels, form see volumeOf()
+    void openVolume(const std::string& name, const val& voxels, const std::string& form, int width, int height) {
+        guarded([&] {
+            auto volume = std::make_shared<const volume::Volume>(volumeOf(name, voxels, form));
+            const std::shared_ptr<const volume::Volume> before = provided_;
+            volume::provideVolume(name, volume);
+            try {
+                scene::Scene scene = session::volumeScene(name, name);
+                setSize(scene, width, height);
+                session().setScene(std::move(scene));
+            } catch (...) {
+                volume::provideVolume(name, name == providedName_ ? before : nullptr);
+                throw;
+            }
+            if (!providedName_.empty() && name != providedName_) volume::provideVolume(providedName_, nullptr);
+            providedName_ = name;
+            provided_ = std::move(volume);
+        });
+    }
+
+    /// What an editor of transfer functions begins with (volume::toJson(Shown)); "null" where no volume is shown.
+    std::string volumeJson() const {
+        return guarded([&] {
+            const std::optional<volume::Shown> shown = session().volume();
+            return shown ? volume::toJson(*shown).dump() : std::string("null");
+        });
+    }
+
+    /// See session::Session::histogram(); "null" where no volume is shown.
+    std::string histogramJson(int channel, int values, int gradients) const {
+        return guarded([&] {
+            const std::optional<volume::Histogram> histogram = session().histogram(channel, values, gradients);
+            return histogram ? volume::toJson(*histogram).dump() : std::string("null");
+        });
+    }
+
+    /// What the volume holds where a pixel shows it (volume::toJson(Reading)); "null" where it shows none.
+    std::string valueJson(int x, int y) {
+        return guarded([&] {
+            const std::optional<volume::Reading> reading = session().valueAt({x, y});
+            return reading ? volume::toJson(*reading).dump() : std::string("null");
         });
     }
 
@@ -345,7 +393,10 @@ class Engine {
     // The session dies before its context.
     std::unique_ptr<gpu::Context> context_;
     std::unique_ptr<session::Session> session_;
-    bool specialise_ = false; ///< kernels have constants, except during live edits
+    // Kept while nothing else is opened: the session's own may go away and come back. Static: so does a lost context.
+    inline static std::string providedName_;                       // NOLINT: one page, one thread
+    inline static std::shared_ptr<const volume::Volume> provided_; // NOLINT
+    bool specialise_ = false;                                      ///< kernels have constants, except during live edits
 };
 
 std::string schemaJson() {
@@ -390,6 +441,10 @@ EMSCRIPTEN_BINDINGS(apeiron) {
         .constructor<>()
         .function("start", &Engine::start)
         .function("loadScene", &Engine::loadScene)
+        .function("openVolume", &Engine::openVolume)
+        .function("volumeJson", &Engine::volumeJson)
+        .function("histogramJson", &Engine::histogramJson)
+        .function("valueJson", &Engine::valueJson)
         .function("resize", &Engine::resize)
         .function("sceneJson", &Engine::sceneJson)
         .function("ownModulesJson", &Engine::ownModulesJson)

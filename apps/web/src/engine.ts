@@ -16,6 +16,17 @@ export interface Engine {
     start(width: number, height: number): void;
     /** A size of 0 leaves the scene's own. */
     loadScene(text: string, name: string, width: number, height: number): void;
+    /**
+     * Shows a volume as a scene of its own, which knows it by `name`.
+     * @param form JSON of a VolumeForm, or of {raw} in the words of `--raw`
+     */
+    openVolume(name: string, voxels: Uint8Array, form: string, width: number, height: number): void;
+    /** VolumeInfo of what is shown; "null" where that is no volume. */
+    volumeJson(): string;
+    /** HistogramInfo of a channel, in so many classes; "null" where no volume is shown. */
+    histogramJson(channel: number, values: number, gradients: number): string;
+    /** What the volume holds where a pixel shows it: a Reading; "null" where it shows none. */
+    valueJson(x: number, y: number): string;
     resize(width: number, height: number): void;
     /** @param all with the parameters that are at their defaults */
     sceneJson(all: boolean): string;

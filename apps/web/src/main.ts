@@ -6,9 +6,12 @@ import { automaticScale, renderSize } from './gestures';
 import { Panel } from './panel';
 import { isPng, sceneOf, withScene } from './png';
 import { messageOf, type Answer, type Autopilot, type Size, type Status } from './protocol';
-import { deviceName, messagesOf, readingsOf } from './readings';
-import type { Json, SceneDocument, Schema } from './schema';
+import { deviceName, messagesOf, readingsOf, valueText } from './readings';
+import { at, equal, type Json, type SceneDocument, type Schema } from './schema';
 import { installTips } from './tip';
+import { TransferEditor } from './transfer/editor';
+import { looksLikeVolume } from './volumes/open';
+import type { NamedBytes } from './volumes/volume_file';
 
 /** For tests and the curious; nothing of the page depends on it. */
 export interface ApeironPage {
@@ -20,6 +23,8 @@ export interface ApeironPage {
     statistics(): Promise<Json>;
     set(path: string, value: Json): Promise<null>;
     load(text: string, name?: string): Promise<void>;
+    openVolume(name: string, bytes: Uint8Array<ArrayBuffer>, raw?: string): Promise<void>;
+    value(x: number, y: number): Promise<Answer<'value'>>;
     loseContext(restoreAfterMs: number): Promise<null>;
 }
 
@@ -29,8 +34,8 @@ declare global {
     }
 }
 
-/** The page decides the picture's size. */
-const kHidden = new Set(['output.width', 'output.height']);
+/** The page decides the picture's size, and has an editor of transfer functions. */
+const kHidden = new Set(['output.width', 'output.height', 'subject.transfer']);
 const kResizeDelay = 120;
 /** Distances to the ground per second. */
 const kAutopilotSpeed = 0.8;
@@ -57,6 +62,7 @@ const help = byId<HTMLDialogElement>('help');
 const fileInput = byId<HTMLInputElement>('file');
 
 let panel: Panel | null = null;
+let transferEditor: TransferEditor | null = null;
 let scene: SceneDocument = {};
 let ownModules: Schema['modules'] = {};
 let initialCamera: Json = null;
@@ -103,6 +109,7 @@ function onNotice(notice: Notice): void {
             notes = notice.notes;
             showMessages();
             panel?.show(scene, ownModules);
+            void showTransfer(notice.loaded);
             break;
         case 'error':
             showError(new Error(notice.message));
@@ -187,6 +194,55 @@ function wantedSize(): Size {
     return renderSize(css, devicePixelRatio, scale, started?.maxSize ?? 4096);
 }
 
+// Volumes
+
+/** What decides which volume is shown, and how: what the transfer function's editor shows depends on it. */
+let shownVolume: Json = null;
+
+async function showTransfer(loaded = false): Promise<void> {
+    if (!transferEditor) return;
+    const isVolume = at(scene, 'subject.type') === 'volume';
+    const names = ['source', 'raw', 'resolution', 'time', 'transfer', 'seed', 'orbital_n', 'orbital_l', 'orbital_m', 'orbital_phases'];
+    const wanted: Json = isVolume ? names.map((name) => at(scene, `subject.${name}`) ?? null) : null;
+    if (!loaded && equal(wanted, shownVolume)) return;
+    shownVolume = wanted;
+    try {
+        const info = isVolume ? await client.request('volume', {}) : null;
+        if (equal(wanted, shownVolume)) transferEditor.show(info, at(scene, 'subject.transfer') ?? null);
+    } catch (error) {
+        showError(error);
+    }
+}
+
+function transferPresets(schema: Schema): string[] {
+    const parameters = schema.roles['subject']?.types['volume']?.parameters ?? [];
+    return parameters.find((parameter) => parameter.name === 'transfer')?.choices ?? [];
+}
+
+/** Milliseconds between two looks at the value under the cursor. */
+const kValueDelay = 120;
+let valueTimer = 0;
+
+function lookUnder(event: PointerEvent): void {
+    clearTimeout(valueTimer);
+    const chip = byId('value');
+    if (at(scene, 'subject.type') !== 'volume' || event.buttons !== 0) {
+        chip.hidden = true;
+        return;
+    }
+    const box = canvas.getBoundingClientRect();
+    const place = { x: (event.clientX - box.left) / box.width, y: (event.clientY - box.top) / box.height };
+    valueTimer = window.setTimeout(async () => {
+        try {
+            const reading = await client.request('value', place);
+            chip.hidden = reading === null;
+            if (reading) chip.textContent = valueText(reading);
+        } catch {
+            chip.hidden = true; // a lost context is told elsewhere
+        }
+    }, kValueDelay);
+}
+
 let resizeTimer = 0;
 
 function scheduleResize(delay = kResizeDelay): void {
@@ -223,7 +279,13 @@ function pageSection(): HTMLElement {
 
 // Scenes and files
 
-async function openFile(file: File): Promise<void> {
+async function openFiles(files: readonly File[]): Promise<void> {
+    const [file] = files;
+    if (!file) return;
+    if (files.some(({ name }) => looksLikeVolume(name))) {
+        await openVolume(await Promise.all(files.map(async (one) => ({ name: one.name, bytes: new Uint8Array(await one.arrayBuffer()) }))));
+        return;
+    }
     const bytes = new Uint8Array(await file.arrayBuffer());
     let text: string | null;
     if (isPng(bytes)) {
@@ -235,8 +297,36 @@ async function openFile(file: File): Promise<void> {
     await loadText(text, file.name);
 }
 
+async function openVolume(files: NamedBytes[], raw: string | null = null): Promise<void> {
+    const question = await client.request('openVolume', { files, raw });
+    if (question) {
+        const answer = await askRaw(question);
+        if (answer !== null) await openVolume(files, answer);
+        return;
+    }
+    showOwn(files[0]!.name);
+}
+
+/** What bare voxels are; null: never mind. */
+function askRaw({ name, bytes, guess }: { name: string; bytes: number; guess: string }): Promise<string | null> {
+    const dialog = byId<HTMLDialogElement>('raw');
+    const field = byId<HTMLInputElement>('raw-form');
+    byId('raw-name').textContent = `${name}, ${bytes.toLocaleString('en')} bytes`;
+    field.value = guess;
+    dialog.returnValue = '';
+    dialog.showModal();
+    return new Promise((resolve) => {
+        dialog.addEventListener('close', () => resolve(dialog.returnValue === 'open' && field.value.trim() ? field.value.trim() : null), { once: true });
+    });
+}
+
 async function loadText(text: string, name: string): Promise<void> {
     await client.request('load', { text, name });
+    showOwn(name);
+}
+
+/** The list of scenes names what was opened. */
+function showOwn(name: string): void {
     clearError();
     scenes.querySelector('option.own')?.remove();
     scenes.prepend(make('option', { value: '', class: 'own' }, name));
@@ -272,9 +362,14 @@ async function savePicture(): Promise<void> {
 function installFiles(): void {
     byId('open').addEventListener('click', () => fileInput.click());
     fileInput.addEventListener('change', () => {
-        const file = fileInput.files?.[0];
+        const files = [...(fileInput.files ?? [])];
         fileInput.value = '';
-        if (file) void attempt(() => openFile(file));
+        void attempt(() => openFiles(files));
+    });
+    canvas.addEventListener('pointermove', lookUnder);
+    canvas.addEventListener('pointerleave', () => {
+        clearTimeout(valueTimer);
+        byId('value').hidden = true;
     });
     byId('save-scene').addEventListener('click', () => void attempt(saveScene));
     byId('save-picture').addEventListener('click', () => void attempt(savePicture));
@@ -292,8 +387,8 @@ function installFiles(): void {
         event.preventDefault();
         depth = 0;
         over(false);
-        const file = event.dataTransfer?.files[0];
-        if (file) void attempt(() => openFile(file));
+        const files = [...(event.dataTransfer?.files ?? [])];
+        void attempt(() => openFiles(files));
     });
 }
 
@@ -362,14 +457,22 @@ async function start(): Promise<void> {
     started = await client.request('start', ask, [offscreen]);
     for (const { name, title } of started.gallery) scenes.append(make('option', { value: name }, title));
     scenes.value = started.scene;
+    transferEditor = new TransferEditor(transferPresets(started.schema), {
+        set: (value, live) => void attempt(() => client.request('set', { path: 'subject.transfer', value, live }).then(clearError)),
+        histogram: (channel, values, gradients) => client.request('histogram', { channel, values, gradients }),
+        save: (text) => download(new Blob([text, '\n'], { type: 'application/json' }), `${fileName()}.transfer.json`),
+        failed: showError,
+    });
     panel = new Panel(
         panelElement,
         started.schema,
         { set: (path, value, live) => void attempt(() => client.request('set', { path, value, live }).then(clearError)) },
         kHidden,
+        transferEditor.element,
         pageSection(),
     );
     panel.show(scene, ownModules);
+    void showTransfer();
     showDevice(started);
     // Only now is it known whether a processor does the work.
     scheduleResize(0);
@@ -395,6 +498,8 @@ window.apeiron = {
     statistics: () => client.request('statistics', {}),
     set: (path, value) => client.request('set', { path, value, live: false }),
     load: (text, name = 'scene') => loadText(text, name),
+    openVolume: (name, bytes, raw) => openVolume([{ name, bytes }], raw ?? null),
+    value: (x, y) => client.request('value', { x, y }),
     loseContext: (restoreAfterMs) => client.request('loseContext', { restoreAfterMs }),
 };
 window.apeiron.ready.catch(() => {}); // told already

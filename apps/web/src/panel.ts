@@ -330,12 +330,13 @@ export class Panel {
     private document: SceneDocument | null = null;
     private readonly open: Set<string>;
 
-    /** @param extra what the page adds below */
+    /** @param lead what the page puts first @param extra what it adds below */
     constructor(
         private readonly root: HTMLElement,
         private readonly schema: Schema,
         private readonly host: PanelHost,
         private readonly hidden: ReadonlySet<string>,
+        private readonly lead: HTMLElement,
         private readonly extra: HTMLElement,
     ) {
         this.open = new Set(readOpen());
@@ -356,7 +357,7 @@ export class Panel {
         const scroll = this.root.scrollTop;
         // The control that caused it keeps the focus.
         const focused = this.root.contains(globalThis.document.activeElement) ? focusPath(this.root) : null;
-        this.root.replaceChildren(...sections.map((section) => this.sectionElement(section)), this.extra);
+        this.root.replaceChildren(this.lead, ...sections.map((section) => this.sectionElement(section)), this.extra);
         this.root.scrollTop = scroll;
         if (focused) restoreFocus(this.root, focused);
     }

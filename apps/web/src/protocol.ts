@@ -1,5 +1,7 @@
 // What the page and its worker say to each other.
 import type { Json, SceneDocument, Schema } from './schema';
+import type { HistogramInfo, VolumeInfo } from './transfer/transfer';
+import type { NamedBytes } from './volumes/volume_file';
 
 export interface Size {
     width: number;
@@ -15,6 +17,23 @@ export interface SceneText {
     text: string;
     /** For messages. */
     name: string;
+}
+
+/** Bare voxels of which nobody has said what they are. */
+export interface RawQuestion {
+    name: string;
+    bytes: number;
+    /** What the name says; empty: nothing. */
+    guess: string;
+}
+
+/** What a volume holds at a place. */
+export interface Reading {
+    /** [mm] */
+    position: [number, number, number];
+    voxel: [number, number, number];
+    unit: string;
+    values: { name: string; value: number | null }[];
 }
 
 /** What the page asks for; the worker answers each with a Reply. */
@@ -34,6 +53,13 @@ export interface Requests {
     };
     load: { ask: SceneText; answer: null };
     gallery: { ask: { name: string }; answer: null };
+    /** Opens a volume: a file, or a header and its voxels. `raw`: what bare voxels are, once it was asked for. */
+    openVolume: { ask: { files: NamedBytes[]; raw: string | null }; answer: RawQuestion | null };
+    /** The volume that is shown. */
+    volume: { ask: Record<string, never>; answer: VolumeInfo | null };
+    histogram: { ask: { channel: number; values: number; gradients: number }; answer: HistogramInfo | null };
+    /** What a volume holds at a point of the picture (fractions from the top left); null: it shows none there. */
+    value: { ask: { x: number; y: number }; answer: Reading | null };
     /** `live`: while a slider is dragged; only the last of several such edits of a path counts. */
     set: { ask: { path: string; value: Json; live: boolean }; answer: null };
     resize: { ask: Size; answer: null };

@@ -1,5 +1,5 @@
 // The status line's words and numbers.
-import type { Status } from './protocol';
+import type { Reading as VolumeReading, Status } from './protocol';
 
 export interface Reading {
     key: string;
@@ -28,6 +28,12 @@ export function milliseconds(ms: number): string {
     if (ms >= 9950) return `${(ms / 1000).toFixed(0)} s`;
     if (ms >= 1000) return `${(ms / 1000).toFixed(1)} s`;
     return `${ms >= 10 ? ms.toFixed(0) : ms.toFixed(1)} ms`;
+}
+
+/** "CT 312 HU at 12.5, -3.1, 40 mm" */
+export function valueText({ values, unit, position }: VolumeReading): string {
+    const parts = values.map(({ name, value }) => `${name ? `${name} ` : ''}${value === null ? '–' : short(value)}${unit ? ` ${unit}` : ''}`);
+    return `${parts.join(' · ')}  at ${position.map(short).join(', ')} mm`;
 }
 
 /** What the page tells about the picture, most urgent first. */

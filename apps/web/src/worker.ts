@@ -3,6 +3,7 @@ import { loadEngine, type Engine, type EngineModule } from './engine';
 import { Loop } from './loop';
 import { messageOf, type Answer, type Ask, type FromWorker, type GalleryEntry, type RequestName, type Requests, type ToWorker } from './protocol';
 import { isObject, type SceneDocument, type Schema } from './schema';
+import { openVolume, rawFormOf } from './volumes/open';
 
 const scope = self as unknown as {
     postMessage(message: FromWorker, transfer?: Transferable[]): void;
@@ -82,6 +83,33 @@ class Viewer {
 
     gallery(name: string): null {
         return this.load(this.module.gallerySceneJson(name), `scenes/${name}.json`);
+    }
+
+    async openVolume({ files, raw }: Ask<'openVolume'>): Promise<Answer<'openVolume'>> {
+        let question: Answer<'openVolume'> = null;
+        const opened = await openVolume(files, async (name, bytes) => {
+            if (raw === null) question = { name, bytes, guess: rawFormOf(name) ?? '' };
+            return raw;
+        });
+        if (!opened) return question;
+        this.requireContext();
+        this.engine.openVolume(opened.name, opened.voxels, JSON.stringify(opened.form), this.canvas.width, this.canvas.height);
+        this.afterLoad();
+        return null;
+    }
+
+    volume(): Answer<'volume'> {
+        return JSON.parse(this.engine.volumeJson()) as Answer<'volume'>;
+    }
+
+    histogram({ channel, values, gradients }: Ask<'histogram'>): Answer<'histogram'> {
+        return JSON.parse(this.engine.histogramJson(channel, values, gradients)) as Answer<'histogram'>;
+    }
+
+    value({ x, y }: Ask<'value'>): Answer<'value'> {
+        this.requireContext();
+        const pixel = (part: number, size: number) => Math.min(Math.max(Math.floor(part * size), 0), size - 1);
+        return JSON.parse(this.engine.valueJson(pixel(x, this.canvas.width), pixel(y, this.canvas.height))) as Answer<'value'>;
     }
 
     set({ path, value, live }: Ask<'set'>): Promise<null> {
@@ -243,6 +271,10 @@ const handlers: { [N in RequestName]: (ask: Ask<N>) => Answer<N> | Promise<Answe
     start: (ask) => viewer.start(ask),
     load: ({ text, name }) => viewer.load(text, name),
     gallery: ({ name }) => viewer.gallery(name),
+    openVolume: (ask) => viewer.openVolume(ask),
+    volume: () => viewer.volume(),
+    histogram: (ask) => viewer.histogram(ask),
+    value: (ask) => viewer.value(ask),
     set: (ask) => viewer.set(ask),
     resize: (ask) => viewer.resize(ask),
     focus: (ask) => viewer.focus(ask),
