@@ -24,6 +24,8 @@ struct Bounds {
     glm::dvec3 center{0.0};
     double radius = 0.0;
     glm::dvec3 front{0.0}; ///< direction from which it is best seen at first; 0: from anywhere
+    /// Corners of what is seen, from the centre; empty: the sphere is all that is known.
+    std::vector<glm::dvec3> corners;
 };
 
 /// What is around the camera.

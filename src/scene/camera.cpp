@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace apeiron::scene {
@@ -163,6 +164,37 @@ void Camera::frame(const glm::dvec3& center, double radius, double aspect, const
     // Boxes do not fill their spheres.
     const double distance = std::clamp(0.9 * radius / std::sin(half), kSmallestDistance, kLargestDistance);
     const Decimal3 target{Decimal(center.x), Decimal(center.y), Decimal(center.z)};
+    node_.set("target", target);
+    node_.set("position", moved(target, distance * back));
+}
+
+void Camera::frame(const glm::dvec3& center, std::span<const glm::dvec3> points, double aspect,
+                   const glm::dvec3& front) {
+    assert(!points.empty());
+    const glm::dvec3 back = normalized(front);
+    const glm::dmat3 view = glm::mat3_cast(lookAlong(-back, normalized(node_.vec3("up"))));
+    constexpr double kMargin = 1.08;
+    const double tangent = std::tan(fov() / 2) / kMargin;
+    // A point at p.z towards the camera is inside if |p.x - shift| <= slope (distance - p.z). The limits to both sides
+    // decide how far away the camera must be at least, and where in between it looks.
+    double distance = kSmallestDistance;
+    glm::dvec2 shift(0.0);
+    for (int axis = 0; axis < 2; ++axis) {
+        const double slope = axis == 0 ? tangent * aspect : tangent;
+        double most = -std::numeric_limits<double>::infinity();
+        double least = std::numeric_limits<double>::infinity();
+        for (const glm::dvec3& point : points) {
+            const glm::dvec3 p = glm::transpose(view) * point;
+            most = std::max(most, p[axis] + slope * p.z);
+            least = std::min(least, p[axis] - slope * p.z);
+            distance = std::max(distance, p.z + kSmallestDistance);
+        }
+        distance = std::max(distance, (most - least) / (2.0 * slope));
+        shift[axis] = 0.5 * (most + least);
+    }
+    distance = std::min(distance, kLargestDistance);
+    const glm::dvec3 middle = center + view * glm::dvec3(shift, 0.0);
+    const Decimal3 target{Decimal(middle.x), Decimal(middle.y), Decimal(middle.z)};
     node_.set("target", target);
     node_.set("position", moved(target, distance * back));
 }

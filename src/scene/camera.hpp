@@ -2,6 +2,8 @@
 
 #include "parameter/node.hpp"
 
+#include <span>
+
 namespace apeiron::scene {
 
 /// The camera of a scene: a typed view of its node that knows how it moves.
@@ -44,6 +46,11 @@ class Camera {
     /// Moves to where a sphere fills the picture and aims at its centre. @param aspect of the picture: width / height
     /// @param front direction from the centre to the camera; 0: where it is looked from now @pre radius > 0
     void frame(const glm::dvec3& center, double radius, double aspect, const glm::dvec3& front = glm::dvec3(0.0));
+
+    /// Moves to where all points just fit into the picture and aims at their middle in it.
+    /// @param points from `center` [world units], at least one @param front direction from the centre to the camera,
+    /// not 0
+    void frame(const glm::dvec3& center, std::span<const glm::dvec3> points, double aspect, const glm::dvec3& front);
 
     /// Turns around the target: positive yaw moves the camera to its right, positive pitch up [rad]. Stays clear
     /// of the poles. In free mode the target is first put `distance()` ahead, `roll` becomes what the free

@@ -106,7 +106,11 @@ void Session::frame(const render::Subject& subject, glm::ivec2 size) {
     if (!bounds || bounds->radius <= 0.0) return;
     if (scene_.camera != scene::Scene(scene_.sharedCatalogue()).camera) return;
     scene::Camera camera(scene_.camera);
-    camera.frame(bounds->center, bounds->radius, static_cast<double>(size.x) / size.y, bounds->front);
+    const double aspect = static_cast<double>(size.x) / size.y;
+    if (bounds->corners.empty() || bounds->front == glm::dvec3(0.0))
+        camera.frame(bounds->center, bounds->radius, aspect, bounds->front);
+    else
+        camera.frame(bounds->center, bounds->corners, aspect, bounds->front);
     scene_.camera = camera.node();
 }
 

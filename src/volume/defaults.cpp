@@ -98,7 +98,7 @@ Json microscopyTransfer(const Volume& volume) {
         {{"bright", "transmitted", "phase", "dic"}, {{"points", Json::array({point(0.0, "#ffffff", 0.0)})}}},
         {{"dna", "dapi", "hoechst", "nucle"}, glowing("#16307a", "#4a7dff", "#c4d8ff", 1.0)},
         {{"memb", "wga", "cellmask", "lipid"}, glowing("#6a1f5c", "#d85fb8", "#ffd0f2", 0.03)},
-        {{"struct", "gfp", "tubul", "actin"}, glowing("#12603a", "#3fd58a", "#c8ffe2", 0.15)},
+        {{"struct", "gfp", "tubul", "actin"}, glowing("#12603a", "#3fd58a", "#c8ffe2", 0.05)},
         {{"mito", "tomm", "rfp", "cherry"}, glowing("#7a3a12", "#f59a3c", "#ffe3b8", 1.0)},
     };
     static const std::vector<Json> kOthers{

@@ -180,13 +180,8 @@ render::Bounds boundsOf(const Grid& grid, const std::vector<float>& opacities) {
     render::Bounds bounds;
     bounds.center = axes * (0.5 * (first + last) - grid.origin);
     bounds.front = frontDirection(grid.modality, extent);
-    for (const glm::dvec3& corner : corners) {
-        // What is nearer to the camera looks larger: by as much as at the default angle of view.
-        constexpr double kPerspective = 0.4;
-        const double near = glm::dot(corner, bounds.front);
-        const double aside = glm::length(corner - near * bounds.front);
-        bounds.radius = std::max(bounds.radius, aside + kPerspective * std::max(near, 0.0));
-    }
+    bounds.radius = glm::length(0.5 * extent);
+    bounds.corners.assign(corners.begin(), corners.end());
     return bounds;
 }
 

@@ -246,5 +246,36 @@ TEST(CameraTest, numbers_that_are_not_finite_change_nothing) {
     EXPECT_EQ(c.node(), before);
 }
 
+TEST(Camera, frames_points_so_that_they_just_fit) {
+    std::mt19937 random(7); // NOLINT: the same numbers every time
+    std::uniform_real_distribution<double> number(-1.0, 1.0);
+    const glm::dvec3 center(10, -20, 30);
+    for (const double aspect : {0.5, 1.0, 16.0 / 9.0}) {
+        std::vector<glm::dvec3> points;
+        for (int i = 0; i < 8; ++i)
+            points.emplace_back(100.0 * number(random), 40.0 * number(random), 20.0 * number(random));
+        Camera framed = camera();
+        framed.frame(center, points, aspect, {0.4, -1.0, 0.3});
+        EXPECT_GT(glm::dot(framed.forward(), glm::normalize(glm::dvec3(-0.4, 1.0, -0.3))), 1.0 - kRounding);
+        const glm::dmat3 view = glm::mat3_cast(framed.orientation());
+        glm::dvec2 low(1e9);
+        glm::dvec2 high(-1e9);
+        for (const glm::dvec3& point : points) {
+            const auto& from = framed.position();
+            const glm::dvec3 eye(from[0].toDouble(), from[1].toDouble(), from[2].toDouble());
+            const glm::dvec3 p = glm::transpose(view) * (center + point - eye);
+            ASSERT_LT(p.z, 0.0) << "before the camera";
+            const glm::dvec2 place = glm::dvec2(p.x / aspect, p.y) / (-p.z * std::tan(framed.fov() / 2));
+            low = glm::min(low, place);
+            high = glm::max(high, place);
+        }
+        // In one direction they fill the picture but for the margin, to both sides alike; in the other they are inside.
+        const glm::dvec2 reach = glm::max(glm::abs(low), glm::abs(high));
+        EXPECT_NEAR(std::max(reach.x, reach.y), 1.0 / 1.08, 1e-9);
+        const int axis = reach.x > reach.y ? 0 : 1;
+        EXPECT_NEAR(low[axis], -high[axis], 1e-9);
+    }
+}
+
 } // namespace
 } // namespace apeiron::scene
