@@ -55,6 +55,7 @@ afterEach(async () => {
 async function openBall(): Promise<string> {
     page = await rig.open('scene=mandelbulb&width=160&height=90&samples=2');
     const path = nrrd();
+    await page.locator('#panel-toggle').click(); // pictures of a given size have no panel at first
     await page.locator('#file').setInputFiles(path);
     await page.locator('.transfer').waitFor();
     await atRest(page);
