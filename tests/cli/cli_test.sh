@@ -358,7 +358,8 @@ expect 2 'bad.mha: NDims' info bad.mha
 # A volume that is larger than the memory for it: read in parts.
 { head -c 1048576 /dev/zero | tr '\0' x; head -c 1048576 /dev/zero; } >large.raw
 printf '{ "subject": {"type": "volume", "source": "large.raw", "raw": "128x128x128:uint8"}, "renderer": {"type": "mip"} }' >large.json
-expect 0 'large.png' render large.json -o large.png --size 16x16 --samples 1 --memory 1M
+apeiron render large.json -o large.png --size 16x16 --samples 1 --memory 1M
+check 'what is larger than the memory for it is rendered' grep -q 'large.png  16x16' stdout
 check 'a note says that not all is shown' grep -q 'note: 128x128x128 voxels are more than the memory' stderr
 expect 2 'large.raw: 128x128x128 voxels cannot be shown with .* MB of memory; allow .* MB at least' \
     render large.json -o large.png --size 16x16 --memory 64K
