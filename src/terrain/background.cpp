@@ -179,7 +179,7 @@ void Background::begin(const Place& place, const SelectionView& view, int side, 
     }
     want(back_, view);
     double saved = 0.0;
-    for (std::size_t up = static_cast<std::size_t>(plan.up); up < seen_.size(); ++up)
+    for (auto up = static_cast<std::size_t>(plan.up); up < seen_.size(); ++up)
         saved += seen_[up];
     double drawn = 0.0;
     for (const Face& face : back_.faces)

@@ -475,10 +475,12 @@ void Scenery::draw(glm::vec2 shift, glm::vec2 lens) {
         DepthRange all;
         for (const Group& group : groups_)
             all.include(group.range);
-        for (float far = all.farthest + glm::length(moved_); far > least; far /= kSlice) {
+        float far = all.farthest + glm::length(moved_);
+        while (far > least) {
             targets_.clearDepth(false);
             drawRange(0, static_cast<int>(records_.size()), DepthRange{far / kSlice, far}.projection(),
                       gpu::Raster::Depth::Common);
+            far /= kSlice;
         }
         return;
     }

@@ -175,7 +175,7 @@ bool BrickStream::want(const BrickView& view, std::vector<std::uint8_t> needed) 
         for (int z = first.z; z < end.z; ++z)
             for (int y = first.y; y < end.y; ++y)
                 for (int x = first.x; x < end.x; ++x)
-                    targets_[static_cast<std::size_t>((z * size.y + y) * size.x + x)] =
+                    targets_[(static_cast<std::size_t>(z) * size.y + y) * size.x + x] =
                         static_cast<std::uint8_t>(key.level);
     }
     return publish();
@@ -246,7 +246,7 @@ BrickRanges BrickStream::shownRanges(std::span<const float> seen) const {
             for (int x = 0; x < ranges_.size.x; ++x, ++i) {
                 if (!(seen[i] > 0.0F)) continue;
                 const glm::ivec3 page = glm::ivec3(x, y, z) / perBrick;
-                const int level = shown_[static_cast<std::size_t>((page.z * size.y + page.y) * size.x + page.x)];
+                const int level = shown_[(static_cast<std::size_t>(page.z) * size.y + page.y) * size.x + page.x];
                 if (level == 0) continue;
                 const BrickRanges& coarser = coarserRanges_.at(level);
                 for (std::size_t channel = 0; channel < static_cast<std::size_t>(ranges_.channels); ++channel)

@@ -22,7 +22,7 @@ glm::ivec3 dividedUp(glm::ivec3 a, int b) {
 class Coarser {
   public:
     /// @param first of the row in voxels of level 0 @param count of voxels of level 0
-    Coarser(int level, int first, int count) : level_(level) {
+    Coarser(int level, int first, int count) {
         for (int x = 0; x < count;) {
             const int end = std::min((((first + x) >> level) + 1) << level, first + count) - first;
             lengths_.push_back(end - x);
@@ -48,7 +48,6 @@ class Coarser {
     }
 
   private:
-    int level_;
     std::vector<int> lengths_; ///< of what a voxel of the level covers
 };
 
@@ -140,10 +139,10 @@ std::vector<float> brickValues(const LargeVolume& volume, const BrickKey& key, i
             const float* row = box.data();
             for (int k = 0; k < layer.size.z; ++k)
                 for (int y = 0; y < layer.size.y; ++y, row += layer.size.x)
-                    coarser.addRow(row, &sums[static_cast<std::size_t>((y >> key.level) * extent.x)]);
+                    coarser.addRow(row, &sums[static_cast<std::size_t>(y >> key.level) * extent.x]);
             for (int y = 0; y < extent.y; ++y) {
                 const int rows = std::min(scale, layer.size.y - y * scale) * layer.size.z;
-                const auto at = static_cast<std::size_t>(y * extent.x);
+                const auto at = static_cast<std::size_t>(y) * extent.x;
                 coarser.divide(&sums[at], rows, &means[static_cast<std::size_t>(z) * sums.size() + at]);
             }
         }
@@ -155,7 +154,7 @@ std::vector<float> brickValues(const LargeVolume& volume, const BrickKey& key, i
         for (int y = 0; y < kStored; ++y)
             for (int x = 0; x < kStored; ++x) {
                 const glm::ivec3 at = glm::clamp(origin + glm::ivec3(x, y, z), first, end - 1) - first;
-                result.push_back(means[static_cast<std::size_t>((at.z * extent.y + at.y) * extent.x + at.x)]);
+                result.push_back(means[(static_cast<std::size_t>(at.z) * extent.y + at.y) * extent.x + at.x]);
             }
     return result;
 }
@@ -184,13 +183,13 @@ Survey survey(const LargeVolume& volume, int time, int level, int side) {
             std::fill(rowSums.begin(), rowSums.end(), 0.0F);
             for (int k = y << level; k < std::min((y + 1) << level, size.y); ++k)
                 addUp(&out[static_cast<std::size_t>(k) * rowSums.size()], rowSums.size(), rowSums.data());
-            coarser.addRow(rowSums.data(), &sums[static_cast<std::size_t>(y * coarse.x)]);
+            coarser.addRow(rowSums.data(), &sums[static_cast<std::size_t>(y) * coarse.x]);
         }
         const int layer = z >> level;
         if (z + 1 < size.z && (z + 1) >> level == layer) return;
         const int slices = z + 1 - (layer << level);
         for (int y = 0; y < coarse.y; ++y) {
-            const auto at = static_cast<std::size_t>(y * coarse.x);
+            const auto at = static_cast<std::size_t>(y) * coarse.x;
             coarser.divide(&sums[at], std::min(1 << level, size.y - (y << level)) * slices, &means[at]);
         }
         store(overview, channelOffset(overview, channel, 0) + static_cast<std::size_t>(layer) * plane, means);
