@@ -77,10 +77,14 @@ void run(const Settings& settings) {
     printTimes("move and step", steps);
     printTimes("show (present, post, read back)", shows);
     const auto& phases = session.statistics().phases.times;
-    fmt::print("\nOf showing, on average: present {:.1f} ms, post {:.1f} ms, read back {:.1f} ms.",
-               phases.at("present").wallMs / (settings.frames + 1), phases.at("post").wallMs / (settings.frames + 1),
-               phases.at("read").wallMs / (settings.frames + 1));
+    const auto mean = [&](const char* name) {
+        const auto& times = phases.at(name);
+        return fmt::format("{} {:.1f} ms ({:.1f} CPU ms)", name, times.wallMs / (settings.frames + 1),
+                           times.cpuMs / (settings.frames + 1));
+    };
+    fmt::print("\nOf showing, on average: {}, {}, {}.", mean("present"), mean("post"), mean("read"));
     fmt::print(" New pixels per frame: {:.1f} % (median)\n", 100.0 * percentile(fresh, 0.5));
+    std::fflush(stdout);
 
     // The camera has stopped.
     struct Look {

@@ -55,7 +55,16 @@ Chain::Chain(const gpu::Context& context, gpu::KernelCache& cache, gpu::Stage st
             continue;
         }
         const parameter::GlslModule& module = effect.module("type");
-        effects_.push_back({cache.get(module.name, effectSource(effect), stage, {kFloat4}), passesOf(module)});
+        const bool pyramid = module.tags.count("pyramid") > 0;
+        effects_.push_back({cache.get(module.name, effectSource(effect), stage, {kFloat4}), passesOf(module), pyramid});
+        if (pyramid && halved_.empty()) {
+            // 1,024 pixels are wider than any kernel that anyone would see the shape of.
+            for (int level = 1; level <= 10 && (1 << level) <= std::min(size.x, size.y); ++level) {
+                const glm::ivec2 smaller = (size + (1 << level) - 1) >> level;
+                halved_.push_back(std::make_unique<Stop>(context, smaller));
+                returned_.push_back(std::make_unique<Stop>(context, smaller));
+            }
+        }
         // Of several passes, each needs the one before it, and what the first one saw.
         const std::size_t needed = std::min<std::size_t>(++active, 2) + (effects_.back().passes > 1 ? 2 : 0);
         while (stops_.size() < std::min<std::size_t>(needed, 3))
@@ -70,6 +79,42 @@ Chain::Chain(const gpu::Context& context, gpu::KernelCache& cache, gpu::Stage st
 
 void Chain::warmUp(const scene::Scene& scene, const render::Picture& picture, const gpu::Targets& targets) {
     run(scene, picture, targets, {}, {{0, 0}, {1, 1}}, {0, 0});
+}
+
+Chain::Stop& Chain::freeStop(const gpu::Texture& one, const gpu::Texture& other) {
+    return **std::find_if(stops_.begin(), stops_.end(),
+                          [&](const auto& stop) { return &stop->color != &one && &stop->color != &other; });
+}
+
+const gpu::Texture& Chain::run(const Effect& effect, const gpu::Texture& input, const gpu::Region& region,
+                               glm::ivec2 size) {
+    gpu::Kernel& kernel = *effect.kernel;
+    const auto levels = static_cast<int>(halved_.size());
+    kernel.set("effect_levels", levels);
+    const int passes = effect.pyramid ? std::max(2 * levels, 1) : effect.passes;
+    const gpu::Texture* color = &input;
+    for (int pass = 0; pass < passes; ++pass) {
+        const int level = !effect.pyramid ? 0 : pass < levels ? pass + 1 : std::max(2 * levels - 1 - pass, 0);
+        const auto index = static_cast<std::size_t>(level - 1);
+        kernel.set("effect_pass", pass);
+        kernel.set("effect_level", level);
+        kernel.set("effect_color", *color);
+        if (level == 0) {
+            Stop& stop = freeStop(*color, input);
+            kernel.set("effect_same", input);
+            kernel.run(stop.targets, region, size);
+            color = &stop.color;
+            continue;
+        }
+        // On the way there, nothing is known of the same level yet, but its sampler must be bound to something else.
+        const bool there = pass < levels;
+        const Stop& stop = there ? *halved_[index] : *returned_[index];
+        const glm::ivec2 whole = size == glm::ivec2(0) ? size : stop.color.size();
+        kernel.set("effect_same", there ? *color : halved_[index]->color);
+        kernel.run(stop.targets, size == glm::ivec2(0) ? region : gpu::Region{{0, 0}, whole}, whole);
+        color = &stop.color;
+    }
+    return *color;
 }
 
 void Chain::run(const scene::Scene& scene, const render::Picture& picture, const gpu::Targets& targets,
@@ -96,16 +141,7 @@ void Chain::run(const scene::Scene& scene, const render::Picture& picture, const
         kernel.set("effect_focus", static_cast<float>(camera.focus()));
         kernel.set("effect_scale", static_cast<float>(size_.y / extent));
         kernel.set("effect_orthographic", orthographic);
-        const gpu::Texture* input = color;
-        for (int pass = 0; pass < effects_[i].passes; ++pass) {
-            const auto free = std::find_if(stops_.begin(), stops_.end(), [&](const auto& stop) {
-                return &stop->color != color && &stop->color != input;
-            });
-            kernel.set("effect_pass", pass);
-            kernel.set("effect_color", *color);
-            kernel.run((*free)->targets, region, size);
-            color = &(*free)->color;
-        }
+        color = &run(effects_[i], *color, region, size);
     }
     if (meter_ && size == size_) meter_->run(*color, scene.post.number("key"));
     if (meter_ && size != size_) meter_->warmUp(*color);

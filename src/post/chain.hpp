@@ -42,7 +42,7 @@ class Chain {
     void run(const scene::Scene& scene, const render::Picture& picture, const gpu::Targets& targets,
              const Display& display, const gpu::Region& region, glm::ivec2 size);
 
-    /// A picture between two effects.
+    /// A picture between two effects, or two passes of one.
     struct Stop {
         Stop(const gpu::Context& context, glm::ivec2 size);
         gpu::Texture color;
@@ -51,7 +51,14 @@ class Chain {
     struct Effect {
         std::shared_ptr<gpu::Kernel> kernel; ///< null for a disabled one
         int passes = 1;
+        bool pyramid = false; ///< its passes go through levels_ and back
     };
+    /// Runs one effect over `color` and returns its result, one of stops_.
+    const gpu::Texture& run(const Effect& effect, const gpu::Texture& color, const gpu::Region& region,
+                            glm::ivec2 size);
+    /// One of stops_ that is neither of the two.
+    Stop& freeStop(const gpu::Texture& one, const gpu::Texture& other);
+
     std::vector<Effect> effects_;
     std::unique_ptr<Meter> meter_; ///< null where the exposure is set by hand
     gpu::Texture noMeter_;         ///< what the display's kernel sees then
@@ -59,6 +66,8 @@ class Chain {
     std::shared_ptr<gpu::Kernel> display_;
     std::shared_ptr<gpu::Kernel> screen_; ///< the same as fragments: what a window's framebuffer needs
     std::vector<std::unique_ptr<Stop>> stops_;
+    /// Halved pictures for effects that ask for them, the largest first: on the way there, and on the way back.
+    std::vector<std::unique_ptr<Stop>> halved_, returned_;
     glm::ivec2 size_;
 };
 

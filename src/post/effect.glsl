@@ -7,6 +7,9 @@ uniform sampler2D effect_mean;     // w samples of the pixel; 0 while the first 
 uniform sampler2D effect_spread;   // rgb sum of their squared deviations from the mean
 uniform sampler2D effect_input;    // of several passes (`#pragma apeiron passes N`): the picture before the first one
 uniform int effect_pass;           // 0 .. N - 1
+uniform int effect_level;          // of an effect with `#pragma apeiron pyramid`: how often the picture was halved. Level after level is made of the
+uniform int effect_levels;         // one before in effect_color, from 1 to effect_levels; and then on the way back, from effect_levels - 1 to 0, where
+uniform sampler2D effect_same;     // this is what the way there left of the same level: of level 0, the picture before the effect
 uniform ivec2 effect_size;         // [px]
 uniform float effect_focus;        // distance of the camera's plane of focus, along the axis
 uniform float effect_scale;        // height of a thing of size 1 at distance 1, or anywhere in parallel projection [px]
