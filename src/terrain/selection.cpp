@@ -184,23 +184,27 @@ glm::vec3 morphed(const Tile& tile, glm::ivec2 vertex, VertexHeights heights, co
     return {(at.x - m * odd.x) * spacing, (at.y - m * odd.y) * spacing, (1.0F - m) * fine + m * coarse};
 }
 
+namespace {
+
+/// What one walk down the tree needs.
+struct Walk {
+    const Place& place;
+    const Levels& levels;
+    double ratio;
+    double clearance;
+    std::int64_t deepest;
+    std::int64_t finest;
+    const Frustum* frustum;
+    Horizon* horizon;
+    const CellSet* behind;
+};
+
+} // namespace
+
 struct Selection::State {
     CellCache cache;
     std::uint32_t turn = 0;
     std::vector<std::pair<std::int32_t, Box>> found; ///< by the last walk; kept for its memory
-
-    /// What one walk down the tree needs.
-    struct Walk {
-        const Place& place;
-        const Levels& levels;
-        double ratio;
-        double clearance;
-        std::int64_t deepest;
-        std::int64_t finest;
-        const Frustum* frustum;
-        Horizon* horizon;
-        const CellSet* behind;
-    };
 
     /// From the nine roots down.
     void walk(const Walk& w);

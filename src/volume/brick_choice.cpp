@@ -9,7 +9,7 @@ namespace apeiron::volume {
 namespace {
 
 /// Bricks outside the picture are seen in shadows, reflections and scattered light only.
-constexpr double kOutside = 0.25;
+constexpr double kOutOfPicture = 0.25;
 
 std::size_t indexIn(glm::ivec3 size, glm::ivec3 p) {
     return (static_cast<std::size_t>(p.z) * static_cast<std::size_t>(size.y) + static_cast<std::size_t>(p.y)) *
@@ -50,7 +50,7 @@ struct Candidate {
 
 Candidate candidate(const BrickView& view, const BrickKey& key) {
     const BrickSight sight = sightOf(view, key);
-    return {key, std::ldexp(sight.pixels, key.level) * (sight.inPicture ? 1.0 : kOutside), sight.distance};
+    return {key, std::ldexp(sight.pixels, key.level) * (sight.inPicture ? 1.0 : kOutOfPicture), sight.distance};
 }
 
 /// Less urgent: smaller, then farther; keys make an order of what is alike.

@@ -28,10 +28,6 @@ constexpr std::size_t kLeastBricks = 8;
 constexpr std::size_t kLeastBatch = 32;
 constexpr std::size_t kBatchPart = 2;
 
-std::size_t voxelsIn(glm::ivec3 size) {
-    return static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z);
-}
-
 /// How a limit of memory is divided up.
 struct Plan {
     int base = 0; ///< level of the overview

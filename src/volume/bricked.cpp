@@ -10,10 +10,6 @@
 namespace apeiron::volume {
 namespace {
 
-std::size_t voxelsIn(glm::ivec3 size) {
-    return static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z);
-}
-
 glm::ivec3 dividedUp(glm::ivec3 a, int b) {
     return (a + (b - 1)) / b;
 }

@@ -53,10 +53,14 @@ const char* toString(VoxelType type);
 /// "unknown", "ct", "mri", "microscopy", "simulation".
 const char* toString(Modality modality);
 
+/// Of a grid of this size.
+inline std::size_t voxelsIn(const glm::ivec3& size) {
+    return static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z);
+}
+
 /// Voxels of one channel at one point of time.
 inline std::size_t voxelsPerChannel(const Volume& volume) {
-    return static_cast<std::size_t>(volume.size.x) * static_cast<std::size_t>(volume.size.y) *
-           static_cast<std::size_t>(volume.size.z);
+    return voxelsIn(volume.size);
 }
 
 /// Distance between neighbouring voxels along the grid's own axes [mm].
