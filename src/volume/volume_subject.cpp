@@ -153,35 +153,49 @@ render::Bounds boundsOf(const Grid& grid, const std::vector<float>& opacities) {
     const BrickRanges& bricks = grid.ranges;
     const float most = *std::max_element(opacities.begin(), opacities.end());
     const float seen = 0.02F * most;
-    glm::ivec3 low = bricks.size;
-    glm::ivec3 high(-1);
+    // From the first to the last of each row: in between there is nothing that would be farther out.
+    struct Row {
+        glm::ivec3 first;
+        glm::ivec3 last;
+    };
+    std::vector<Row> rows;
     std::size_t i = 0;
     for (int z = 0; z < bricks.size.z; ++z)
-        for (int y = 0; y < bricks.size.y; ++y)
-            for (int x = 0; x < bricks.size.x; ++x, ++i)
-                if (opacities[i] > seen) {
-                    low = glm::min(low, glm::ivec3(x, y, z));
-                    high = glm::max(high, glm::ivec3(x, y, z));
-                }
-    if (high.x < 0) {
-        low = glm::ivec3(0);
-        high = bricks.size - 1;
+        for (int y = 0; y < bricks.size.y; ++y) {
+            bool begun = false;
+            for (int x = 0; x < bricks.size.x; ++x, ++i) {
+                if (!(opacities[i] > seen)) continue;
+                if (!begun) rows.push_back({{x, y, z}, {}});
+                rows.back().last = {x, y, z};
+                begun = true;
+            }
+        }
+    if (rows.empty()) rows.push_back({glm::ivec3(0), bricks.size - 1});
+    glm::ivec3 low = rows.front().first;
+    glm::ivec3 high = low;
+    for (const Row& row : rows) {
+        low = glm::min(low, row.first);
+        high = glm::max(high, row.last);
     }
+    const auto begin = [&](const glm::ivec3& brick) { return glm::dvec3(brick * bricks.side); };
+    const auto end = [&](const glm::ivec3& brick) {
+        return glm::dvec3(glm::min((brick + 1) * bricks.side, grid.size));
+    };
+    const auto cornerOf = [](std::size_t corner, const glm::dvec3& first, const glm::dvec3& last) {
+        return glm::mix(first, last, glm::dvec3(corner & 1, (corner >> 1) & 1, corner >> 2));
+    };
     const glm::dmat3 axes = glm::inverse(grid.toGrid);
-    const glm::dvec3 first(low * bricks.side);
-    const glm::dvec3 last(glm::min((high + 1) * bricks.side, grid.size));
-    glm::dvec3 extent(0.0);
-    std::array<glm::dvec3, 8> corners{};
-    for (std::size_t corner = 0; corner < 8; ++corner) {
-        const glm::dvec3 side(corner & 1, (corner >> 1) & 1, corner >> 2);
-        corners[corner] = axes * ((side - 0.5) * (last - first));
-        extent = glm::max(extent, 2.0 * glm::abs(corners[corner]));
-    }
+    const glm::dvec3 middle = 0.5 * (begin(low) + end(high));
     render::Bounds bounds;
-    bounds.center = axes * (0.5 * (first + last) - grid.origin);
+    glm::dvec3 extent(0.0);
+    for (std::size_t corner = 0; corner < 8; ++corner)
+        extent = glm::max(extent, 2.0 * glm::abs(axes * (cornerOf(corner, begin(low), end(high)) - middle)));
+    for (const Row& row : rows)
+        for (std::size_t corner = 0; corner < 8; ++corner)
+            bounds.corners.push_back(axes * (cornerOf(corner, begin(row.first), end(row.last)) - middle));
+    bounds.center = axes * (middle - grid.origin);
     bounds.front = frontDirection(grid.modality, extent);
     bounds.radius = glm::length(0.5 * extent);
-    bounds.corners.assign(corners.begin(), corners.end());
     return bounds;
 }
 

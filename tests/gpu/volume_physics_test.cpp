@@ -78,6 +78,23 @@ TEST(VolumePhysics, emission_and_absorption_does_not_depend_on_the_step) {
     }
 }
 
+TEST(VolumePhysics, lighting_one_place_of_a_ray_has_the_mean_of_lighting_all) {
+    // Without shadows and light of the sky lao is eam, of which each sample lights but one place.
+    for (const double density : {4.0, 60.0}) {
+        scene::Scene scene = clumps(0.8);
+        scene.set("subject.density", Json(density));
+        scene.set("subject.transfer", R"({"window": "none", "space": "linear", "points": [
+                  {"value": 0.05, "color": [0.1, 0.1, 0.1], "opacity": 0},
+                  {"value": 1, "color": [0.9, 0.9, 0.9], "opacity": 1, "emission": 0.5}]})");
+        scene.set("lights", Json::parse(R"([{"type": "sun", "elevation": 30, "azimuth": -60, "intensity": 3}])"));
+        setAll(scene, {{"renderer.type", "eam"}, {"renderer.sky_light", "0"}, {"output.samples", "64"}});
+        const MeanOf all = meanOf(scene);
+        setAll(scene, {{"renderer.type", "lao"}, {"renderer.sky_light", "0"}, {"renderer.shadows", "false"}});
+        EXPECT_GT(all.value, 0.05) << "nothing to be seen";
+        expectSame(meanOf(scene), all, fmt::format("density {}", density));
+    }
+}
+
 TEST(VolumePhysics, emission_of_a_slab_is_one_minus_its_transmittance) {
     scene::Scene scene = slab(1.5, 1.0);
     // Without light from elsewhere, and paths that end at once: what is scattered is lost.

@@ -13,6 +13,7 @@ struct FieldLook {
     int rays;         // that look how open a place is; 0: it counts as open
     float reach;      // how far they look, in voxels
     bool shadows;     // the lights' rays look as well
+    bool one;         // one place of the ray is lit, chosen by how much of it is seen, instead of all
 };
 
 // What a short way lets through, in a few steps that grow with the distance.
@@ -80,6 +81,12 @@ void field_march(FieldLook look, ivec2 pixel, out vec4 radiance, out vec4 geomet
     float t_sliced = 0.0;
     Slice slice = Slice(1e30, vec4(0.0));
     if (inside) slice = slice_next(ray, slice_start(ray));
+    float looked = 0.0; // how much of the picture is the field ...
+    float t_one = 0.0;  // ... and one place of it, each with the chance of its part
+    vec4 one = vec4(0.0);
+    // Where as much is seen as a number says, which samples choose evenly; where so much never is, by reservoir
+    // sampling (Chao 1982). Either way the chances are the same.
+    vec2 choice = random_pair(pixel, 15u);
     for (int i = 0; i < 8192 && inside && (t < ray.t_max || slice.t < 1e30) && through > 2e-3; ++i) {
         // A slice comes before the place that is looked at next.
         if (slice.t <= t || t >= ray.t_max) {
@@ -103,13 +110,30 @@ void field_march(FieldLook look, ivec2 pixel, out vec4 radiance, out vec4 geomet
         vec3 position = ray.origin + t * ray.direction;
         vec4 seen = field_color(position);
         float part = through * (1.0 - exp(-seen.a * stride));
-        for (int k = 0; k < int(part > 1e-4); ++k) {
+        if (look.one) {
+            bool settled = choice.x < looked;
+            looked += part;
+            float chance = part / max(looked, 1e-20);
+            bool drawn = choice.y < chance;
+            bool chosen = !settled && (drawn || choice.x < looked);
+            // What is left of the random number is as good as a new one.
+            choice.y = drawn ? choice.y / max(chance, 1e-20) : (choice.y - chance) / max(1.0 - chance, 1e-20);
+            one = chosen ? seen : one;
+            t_one = chosen ? t : t_one;
+            colors += part * seen.rgb;
+            depth += part * t;
+        }
+        for (int k = 0; k < int(!look.one && part > 1e-4); ++k) {
             sum += part * (field_lit(look, pixel, uint(i), position, seen.rgb, -ray.direction) + field_emission(position, seen));
             colors += part * seen.rgb;
             depth += part * t;
         }
         through -= part;
         t += stride;
+    }
+    for (int k = 0; k < int(looked > 0.0); ++k) {
+        vec3 position = ray.origin + t_one * ray.direction;
+        sum += looked * (field_lit(look, pixel, 0u, position, one.rgb, -ray.direction) + field_emission(position, one));
     }
     float cover = 1.0 - through;
     vec3 behind = environment_transparent ? vec3(0.0) : environment_at(ray.direction);
