@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cassert>
 #include <utility>
 
@@ -44,6 +45,19 @@ std::string shaderLog(GLuint shader) {
     glGetShaderInfoLog(shader, length, &length, log.data());
     log.resize(static_cast<std::size_t>(std::max(length, 0)));
     return log;
+}
+
+/// A software driver may be a whole picture behind with drawing, and keeps what it knows of all these triangles until
+/// then: hundreds of bytes of each. Drawing goes on while the next part is prepared, but not more than that.
+constexpr int kIndicesAtOnce = 3 * 16384;
+
+/// Whether glClientWaitSync() may wait: a browser's does not.
+constexpr bool waitsInClient() {
+#ifdef __EMSCRIPTEN__
+    return false;
+#else
+    return true;
+#endif
 }
 
 /// Compiles into a program. @throws Error (Gpu) with mapped lines.
@@ -173,7 +187,8 @@ bool canReverseDepth([[maybe_unused]] const Context& context) {
 
 Raster::Raster(const Context& context, const std::string& label, const ShaderSource& vertex,
                const ShaderSource& fragment, std::vector<Attribute> attributes)
-    : program_(glCreateProgram()), attributes_(std::move(attributes)) {
+    : inParts_(waitsInClient() && context.capabilities().software), program_(glCreateProgram()),
+      attributes_(std::move(attributes)) {
     try {
         attach(program_, GL_VERTEX_SHADER, label, vertex);
         attach(program_, GL_FRAGMENT_SHADER, label, fragment);
@@ -204,6 +219,8 @@ Raster::Raster(const Context& context, const std::string& label, const ShaderSou
 }
 
 Raster::~Raster() {
+    for (void* part : parts_)
+        glDeleteSync(static_cast<GLsync>(part)); // null is ignored
     glDeleteProgram(program_);
     glDeleteVertexArrays(1, &vertexArray_);
 }
@@ -262,6 +279,28 @@ void Raster::draw(const DepthTargets& targets, const Mesh& mesh, int first, int 
     if (reversed) clipControl(true);
 
     glBindVertexArray(vertexArray_);
+    const int each = inParts_ ? std::max(1, kIndicesAtOnce / std::max(mesh.indexCount, 1)) : count;
+    for (int part = 0; part < count; part += each) {
+        drawPart(mesh, first + part, std::min(each, count - part));
+        if (inParts_) waitForParts();
+    }
+    glBindVertexArray(0);
+
+    if (reversed) clipControl(false);
+    glDisable(GL_DEPTH_TEST);
+}
+
+void Raster::waitForParts() {
+    constexpr GLuint64 kForever = 10'000'000'000; // [ns]
+    const auto before = static_cast<GLsync>(std::exchange(parts_[0], parts_[1]));
+    parts_[1] = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+    glFlush();
+    if (before == nullptr) return;
+    glClientWaitSync(before, 0, kForever);
+    glDeleteSync(before);
+}
+
+void Raster::drawPart(const Mesh& mesh, int first, int count) {
     for (std::size_t i = 0; i < attributes_.size(); ++i) {
         if (places_[i] < 0) continue;
         const Attribute& a = attributes_[i];
@@ -280,10 +319,6 @@ void Raster::draw(const DepthTargets& targets, const Mesh& mesh, int first, int 
     }
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, mesh.indices.name());
     glDrawElementsInstanced(mesh.lines ? GL_LINES : GL_TRIANGLES, mesh.indexCount, GL_UNSIGNED_SHORT, nullptr, count);
-    glBindVertexArray(0);
-
-    if (reversed) clipControl(false);
-    glDisable(GL_DEPTH_TEST);
 }
 
 } // namespace apeiron::gpu

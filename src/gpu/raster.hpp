@@ -104,11 +104,18 @@ class Raster {
         bool lines = false;        ///< pairs of indices are lines
     };
 
-    /// Draws instances [first, first + count). Returns at once.
+    /// Draws instances [first, first + count). Returns at once; on a software device, when the last some ten thousand
+    /// triangles are left to be drawn: such a driver keeps all that it has not drawn yet in memory.
     void draw(const DepthTargets& targets, const Mesh& mesh, int first, int count, Depth depth);
 
   private:
     int location(const char* name);
+    void drawPart(const Mesh& mesh, int first, int count);
+    /// Waits until no more than the last part is left to be drawn.
+    void waitForParts();
+
+    bool inParts_;                 ///< triangles are drawn some at a time
+    std::array<void*, 2> parts_{}; ///< fences behind the last ones (GLsync), the older one first
 
     unsigned program_ = 0;
     unsigned vertexArray_ = 0;
