@@ -3,9 +3,14 @@
 //     ./run benchmark --benchmark_filter=plain
 
 #include "core/file.hpp"
+#include "core/stopwatch.hpp"
+#include "scene/camera.hpp"
 #include "session/session.hpp"
+#include "terrain/scenery.hpp"
 
 #include <benchmark/benchmark.h>
+
+#include <numeric>
 
 namespace {
 
@@ -89,6 +94,51 @@ void compile(benchmark::State& state, const std::string& file) {
     }
 }
 
+/// The choice of a frame's tiles in a dive: 60 consecutive frames, to and fro, at some depth [levels]. Between two
+/// frames a picture is drawn that leaves nothing of it in the processor's caches: with the second argument 16 MB are
+/// read instead, untimed.
+void terrainSelect(benchmark::State& state) {
+    scene::Scene scene = load("scenes/terrain_range.json", 640, 360);
+    scene.set("subject.depth", std::to_string(state.range(0)));
+    const terrain::Site site(scene);
+    terrain::Place place(site.shape, site.address);
+    place.setPosition({0.5, 0.5, 2.0 / site.relief});
+    const scene::Camera camera(scene.camera);
+    terrain::Flight flight(std::move(place), camera.orientation(), site.relief);
+    for (int i = 0; i < 20; ++i)
+        flight.dive(1.0, 0.4);
+    struct Frame {
+        terrain::Place place;
+        terrain::SelectionView view;
+    };
+    constexpr std::size_t kFrames = 60;
+    std::vector<Frame> frames;
+    for (std::size_t i = 0; i < kFrames; ++i) {
+        flight.dive(1.2, 1.0 / 30.0);
+        terrain::SelectionView view;
+        view.camera = glm::mat3_cast(flight.orientation());
+        view.tanHalfFov = std::tan(0.5 * camera.fov());
+        view.aspect = 640.0 / 360.0;
+        view.relief = flight.relief();
+        view.tileLevels = 6;
+        view.ratio = terrain::splitRatio(360.0, view.tanHalfFov, 1.5, view.tileLevels);
+        frames.push_back({flight.place(), view});
+    }
+    std::vector<int> others(state.range(1) != 0 ? std::size_t{1} << 22U : 0, 1);
+    terrain::Selection selection;
+    std::size_t at = 0;
+    std::size_t tiles = 0;
+    for (auto _ : state) {
+        benchmark::DoNotOptimize(std::accumulate(others.begin(), others.end(), 0));
+        const std::size_t turn = at++ % (2 * kFrames);
+        const Frame& frame = frames[std::min(turn, 2 * kFrames - 1 - turn)];
+        const Stopwatch watch;
+        tiles += selection.select(frame.place, frame.view).size();
+        state.SetIterationTime(watch.seconds());
+    }
+    state.counters["tiles"] = benchmark::Counter(static_cast<double>(tiles), benchmark::Counter::kAvgIterations);
+}
+
 } // namespace
 
 #define APEIRON_BENCH(FUNCTION, NAME, ...)                                                                             \
@@ -108,3 +158,8 @@ APEIRON_BENCH(samples, menger_compute, "scenes/menger_hall.json", gpu::Stage::Co
 APEIRON_BENCH(transferEdit, mcm_256, "mcm");
 APEIRON_BENCH(transferEdit, eam_256, "eam");
 APEIRON_BENCH(compile, bulb, "scenes/mandelbulb.json");
+BENCHMARK(terrainSelect)
+    ->ArgNames({"depth", "cold"})
+    ->ArgsProduct({{40, 1000, 3000}, {0, 1}})
+    ->UseManualTime()
+    ->Unit(benchmark::kMicrosecond);

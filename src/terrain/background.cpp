@@ -257,7 +257,7 @@ void Background::stage(TileCache& cache, std::int64_t most, TileCache::Maker mak
             if (static_cast<int>(staged_.size()) >= each_) return;
             const Tile& tile = face.tiles[i];
             glm::ivec2 at = cache.find(tile);
-            if (at.x < 0 && most-- > 0) at = cache.place(tile, maker, kernels, stage);
+            if (at.x < 0 && most-- > 0) at = cache.place(tile, *cube->place, maker, kernels, stage);
             if (at.x < 0) return;
             staged_.push_back({&face, instanceOf(tile, at, cube->place->level()), tile.level});
         }

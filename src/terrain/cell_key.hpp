@@ -16,6 +16,12 @@ struct CellKey {
     bool operator==(const CellKey&) const = default;
 };
 
+/// The name of a cell's child. @param digit 0 to 3: x in its first bit, y in the second
+constexpr CellKey childKey(const CellKey& parent, int digit) {
+    return {parent.level + 1, 2U * parent.x + static_cast<std::uint32_t>(digit & 1),
+            2U * parent.y + static_cast<std::uint32_t>(digit >> 1)};
+}
+
 struct CellKeyHash {
     std::size_t operator()(const CellKey& key) const {
         // Fibonacci hashing of all three.

@@ -14,51 +14,16 @@ double diamondAngle(double x, double y) {
     return angle < 0.0 ? angle + 4.0 : angle;
 }
 
-struct Range {
-    double first = 0.0; ///< [directions]; last - first < half of all
-    double last = 0.0;
-};
-
-/// The directions in which a box's footprint is seen: from one of its corners to another one, counter-clockwise.
-/// @pre the camera is outside of it
-Range directionsOf(const glm::dvec3& least, const glm::dvec3& most, int directions) {
-    const bool right = least.x > 0.0;
-    const bool left = most.x < 0.0;
-    const bool above = least.y > 0.0;
-    const bool below = most.y < 0.0;
-    const double besideX = right ? least.x : most.x;
-    const double besideY = above ? least.y : most.y;
-    const double first = diamondAngle(above   ? most.x
-                                      : below ? least.x
-                                              : besideX,
-                                      right  ? least.y
-                                      : left ? most.y
-                                             : besideY);
-    double last = diamondAngle(above ? least.x : below ? most.x : besideX, right ? most.y : left ? least.y : besideY);
-    if (last < first) last += 4.0;
-    const double scale = directions / 4.0;
-    return {first * scale, last * scale};
+/// A number that is at least 0, or -1 when it is not, as the whole number below it: much faster than std::floor()
+/// where there is no instruction for that.
+int wholeBelow(double x) {
+    return static_cast<int>(x);
 }
 
-bool isOutside(const glm::dvec3& least, const glm::dvec3& most) {
-    return least.x > 0.0 || most.x < 0.0 || least.y > 0.0 || most.y < 0.0;
-}
-
-/// std::hypot takes ten times as long; these numbers neither overflow nor vanish.
-double length(double x, double y) {
-    return std::sqrt(x * x + y * y);
-}
-
-double nearest(const glm::dvec3& least, const glm::dvec3& most) {
-    return length(std::max({0.0, least.x, -most.x}), std::max({0.0, least.y, -most.y}));
-}
-double farthest(const glm::dvec3& least, const glm::dvec3& most) {
-    return length(std::max(std::abs(least.x), std::abs(most.x)), std::max(std::abs(least.y), std::abs(most.y)));
-}
-
-/// @pre the number of directions is a power of two
-std::size_t wrapped(int direction, int directions) {
-    return static_cast<unsigned>(direction) & static_cast<unsigned>(directions - 1);
+/// The same of the whole number above.
+int wholeAbove(double x) {
+    const int whole = static_cast<int>(x);
+    return static_cast<double>(whole) < x ? whole + 1 : whole;
 }
 
 } // namespace
@@ -67,31 +32,81 @@ Horizon::Horizon() {
     slopes_.fill(-std::numeric_limits<float>::infinity());
 }
 
-bool Horizon::hides(const glm::dvec3& least, const glm::dvec3& most) const {
-    if (!isOutside(least, most)) return false;
-    const Range range = directionsOf(least, most, kDirections);
-    const double slope = most.z / (most.z > 0.0 ? nearest(least, most) : farthest(least, most));
-    const int last = static_cast<int>(std::floor(range.last));
-    for (int i = static_cast<int>(std::floor(range.first)); i <= last; ++i) {
-        if (slope >= static_cast<double>(slopes_[wrapped(i, kDirections)])) return false;
+Horizon::Footprints Horizon::footprints(const Boxes& boxes) {
+    Footprints prints;
+    // No branches: the four go through it together.
+    for (std::size_t i = 0; i < 4; ++i) {
+        const double lx = boxes.least[0][i];
+        const double ly = boxes.least[1][i];
+        const double hx = boxes.most[0][i];
+        const double hy = boxes.most[1][i];
+        const bool right = lx > 0.0;
+        const bool left = hx < 0.0;
+        const bool above = ly > 0.0;
+        const bool below = hy < 0.0;
+        // From one of its corners to another one, counter-clockwise.
+        const double besideX = right ? lx : hx;
+        const double besideY = above ? ly : hy;
+        const double belowFirst = below ? lx : besideX;
+        const double leftFirst = left ? hy : besideY;
+        const double belowLast = below ? hx : besideX;
+        const double leftLast = left ? ly : besideY;
+        constexpr double kScale = kDirections / 4.0;
+        const double first = diamondAngle(above ? hx : belowFirst, right ? ly : leftFirst);
+        const double last = diamondAngle(above ? lx : belowLast, right ? hy : leftLast);
+        prints.first[i] = first * kScale;
+        prints.last[i] = (last < first ? last + 4.0 : last) * kScale;
     }
-    return true;
+    for (std::size_t i = 0; i < 4; ++i) {
+        const double nearX = larger(larger(0.0, boxes.least[0][i]), -boxes.most[0][i]);
+        const double nearY = larger(larger(0.0, boxes.least[1][i]), -boxes.most[1][i]);
+        const double farX = larger(-boxes.least[0][i], boxes.most[0][i]);
+        const double farY = larger(-boxes.least[1][i], boxes.most[1][i]);
+        // std::hypot takes ten times as long; these numbers neither overflow nor vanish.
+        const double nearest = std::sqrt(nearX * nearX + nearY * nearY);
+        const double farthest = std::sqrt(farX * farX + farY * farY);
+        const double top = boxes.most[2][i];
+        const double bottom = boxes.least[2][i];
+        prints.top[i] = top / (top > 0.0 ? nearest : farthest);
+        // The ground within the box is above its bottom everywhere: a ray that is below the bottom at some place of the
+        // box has met it. Where the bottom is below the camera that is so at the near side last.
+        const double slope = bottom / (bottom > 0.0 ? farthest : nearest) * (bottom > 0.0 ? 0.999999 : 1.000001);
+        prints.bottom[i] = nearest > 0.0 ? slope : -std::numeric_limits<double>::infinity();
+    }
+    return prints;
 }
 
-void Horizon::add(const glm::dvec3& least, const glm::dvec3& most) {
-    if (!isOutside(least, most)) return;
-    const Range range = directionsOf(least, most, kDirections);
-    // The ground within the box is above its bottom everywhere: a ray that is below the bottom at some place of the box
-    // has met it. Where the bottom is below the camera that is so at the near side last.
-    const double distance = least.z > 0.0 ? farthest(least, most) : nearest(least, most);
-    if (distance <= 0.0) return;
-    const auto slope = static_cast<float>(least.z / distance * (least.z > 0.0 ? 0.999999 : 1.000001));
-    // Only directions that the box covers from side to side.
-    const int last = static_cast<int>(std::floor(range.last)) - 1;
-    for (int i = static_cast<int>(std::ceil(range.first)); i <= last; ++i) {
-        float& known = slopes_[wrapped(i, kDirections)];
-        known = std::max(known, slope);
+template <class Work> void Horizon::eachPart(int first, int last, const Work& work) {
+    if (first >= kDirections) {
+        first -= kDirections;
+        last -= kDirections;
     }
+    if (last >= first) work(first, std::min(last, kDirections - 1) - first + 1);
+    if (last >= kDirections) work(0, last - kDirections + 1);
+}
+
+bool Horizon::hides(const Footprints& boxes, std::size_t i) const {
+    const double slope = boxes.top[i];
+    // Most that is seen is seen in the first direction already.
+    const int start = wholeBelow(boxes.first[i]);
+    if (slope >= static_cast<double>(slopes_[static_cast<std::size_t>(start) % kDirections])) return false;
+    bool hidden = true;
+    eachPart(start, wholeBelow(boxes.last[i]), [&](int first, int count) {
+        const float* slopes = &slopes_[static_cast<std::size_t>(first)];
+        for (int k = 0; hidden && k < count; ++k)
+            hidden = slope < static_cast<double>(slopes[k]);
+    });
+    return hidden;
+}
+
+void Horizon::add(const Footprints& boxes, std::size_t i) {
+    const auto slope = static_cast<float>(boxes.bottom[i]);
+    // Only directions that the box covers from side to side.
+    eachPart(wholeAbove(boxes.first[i]), wholeBelow(boxes.last[i]) - 1, [&](int first, int count) {
+        float* slopes = &slopes_[static_cast<std::size_t>(first)];
+        for (int k = 0; k < count; ++k)
+            slopes[k] = slopes[k] < slope ? slope : slopes[k];
+    });
 }
 
 } // namespace apeiron::terrain

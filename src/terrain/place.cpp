@@ -154,6 +154,28 @@ Cell Place::cellNear(std::int64_t level, std::int64_t dx, std::int64_t dy) const
     return cell;
 }
 
+Cell Place::cellNamed(const CellKey& key) const {
+    // Up to where it is at most a neighbour of the point's cell.
+    auto up = static_cast<unsigned>(std::max<std::int64_t>(key.level - level(), 0));
+    std::int32_t dx = 0;
+    std::int32_t dy = 0;
+    for (;; ++up) {
+        const Block& here = block(key.level - static_cast<std::int64_t>(up));
+        dx = static_cast<std::int32_t>(key.x - (here.x << up)) >> up;
+        dy = static_cast<std::int32_t>(key.y - (here.y << up)) >> up;
+        if (here.level == 0 || (std::abs(dx) <= 1 && std::abs(dy) <= 1)) break;
+    }
+    const Block& near = block(key.level - static_cast<std::int64_t>(up));
+    Cell cell = std::abs(dx) <= 1 && std::abs(dy) <= 1
+                    ? near.cell(dx, dy)
+                    : rootCell(shape_, static_cast<std::uint32_t>(dx), static_cast<std::uint32_t>(dy));
+    while (up > 0) {
+        --up;
+        cell = childCell(shape_, cell, static_cast<int>((key.x >> up & 1U) | ((key.y >> up & 1U) << 1U)));
+    }
+    return cell;
+}
+
 std::uint64_t Place::heightAt(std::int64_t level) const {
     std::uint64_t height = height_;
     for (std::int64_t n = this->level(); n < level; ++n)

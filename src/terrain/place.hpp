@@ -1,6 +1,7 @@
 #pragma once
 
 #include "terrain/address.hpp"
+#include "terrain/cell_key.hpp"
 #include "terrain/height.hpp"
 
 #include <deque>
@@ -58,6 +59,11 @@ class Place {
     /// @pre max(0, level() - kLiveLevels) <= level <= level() + 24, |dx|, |dy| < 2^24; what lies beyond the blocks at
     /// hand, or outside the root cell's neighbours, is clamped to their border
     Cell cellNear(std::int64_t level, std::int64_t dx, std::int64_t dy) const;
+
+    /// The cell of that name whose way from here is shorter than 2^31 cells of its level. Takes as long.
+    /// @pre max(0, level() - kLiveLevels) <= key.level <= level() + 24, and from the first of these levels on the cell
+    /// is one of the point's or in one of its neighbours; where that level is 0 it may be any
+    Cell cellNamed(const CellKey& key) const;
 
     /// The point within the cell [2^-64 cells].
     std::uint64_t x() const { return x_; }

@@ -176,7 +176,7 @@ void Scenery::makeRasters() {
     boxIndices_ = gpu::Buffer(context_, gpu::Buffer::Kind::Indices, bytesOf(edges), "box edges");
 }
 
-void Scenery::mark(const Tile& tile) {
+void Scenery::mark(const Tile& tile, const Place& place) {
     const glm::vec3 eye(selection_.camera());
     const auto level = static_cast<float>(tile.level);
     const double edge = tile.spacing * (1 << cache_->tileLevels());
@@ -188,7 +188,7 @@ void Scenery::mark(const Tile& tile) {
     if (debug_ == kCorners) {
         const int side = (1 << cache_->tileLevels()) + 1;
         std::vector<VertexHeights> heights(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
-        tileHeights(site_->shape, tile.cell, cache_->tileLevels(), 0, heights);
+        tileHeights(site_->shape, place.cellNamed(tile.cell), cache_->tileLevels(), 0, heights);
         for (const glm::ivec2 vertex : {glm::ivec2(0, 0), {side - 1, 0}, {0, side - 1}, {side - 1, side - 1}}) {
             const auto at = static_cast<std::size_t>(vertex.y) * static_cast<std::size_t>(side) +
                             static_cast<std::size_t>(vertex.x);
@@ -326,7 +326,7 @@ void Scenery::choose(const Place& place, glm::ivec2 size, double pixels, gpu::Ke
     for (int i = 0; i < count; ++i) {
         const Tile& tile = *order[static_cast<std::size_t>(i)];
         glm::ivec2 at = places[static_cast<std::size_t>(i)];
-        if (at.x < 0) at = cache_->place(tile, maker_, kernels, stage);
+        if (at.x < 0) at = cache_->place(tile, place, maker_, kernels, stage);
         if (at.x < 0) break; // more than there is room for: only with the least ratio
         const auto index = static_cast<int>(records_.size());
         const bool starts = groups_.empty() || order[static_cast<std::size_t>(i - 1)]->level != tile.level;
@@ -336,7 +336,7 @@ void Scenery::choose(const Place& place, glm::ivec2 size, double pixels, gpu::Ke
         const double edge = tile.spacing * (1 << view_.tileLevels);
         group.range.include(depthRangeOf(tile, edge, selection_.camera(), selection_.lastClearance()));
         records_.push_back(instanceOf(tile, at, place.level()));
-        mark(tile);
+        mark(tile, place);
     }
     if (!instances_)
         instances_ = gpu::Buffer(context_, gpu::Buffer::Kind::Vertices, bytesOf(records_), "tiles");
@@ -347,7 +347,7 @@ void Scenery::choose(const Place& place, glm::ivec2 size, double pixels, gpu::Ke
     std::int64_t most = kMostMade - (cache_->generated() - generated);
     for (const Tile* tile : rest) {
         if (cache_->has(*tile)) continue; // it is drawn now
-        if (most-- <= 0 || cache_->place(*tile, maker_, kernels, stage).x < 0) break;
+        if (most-- <= 0 || cache_->place(*tile, place, maker_, kernels, stage).x < 0) break;
     }
     if (background_) {
         if (view_.behind == nullptr && missing_ == 0) background_->learn(selection_.tiles(), place.level());
@@ -417,7 +417,7 @@ void Scenery::prefetch(const Place& place, std::int64_t most, gpu::KernelCache& 
         *moved * glm::dvec3(1.0, 1.0, view_.relief) * (kPrefetchReach * selection_.lastClearance() / length);
     for (const Tile& tile : selection_.prefetch(place, view_, way, static_cast<std::size_t>(cache_->capacity()))) {
         if (cache_->has(tile)) continue;
-        if (most-- <= 0 || cache_->place(tile, maker_, kernels, stage).x < 0) break;
+        if (most-- <= 0 || cache_->place(tile, place, maker_, kernels, stage).x < 0) break;
         ++prefetched_;
     }
 }

@@ -69,7 +69,7 @@ class Scenery {
         glm::vec4 most;  ///< from the camera [world]; kind, see tile_fragment.glsl
     };
     /// Looks for what debug views show over a tile.
-    void mark(const Tile& tile);
+    void mark(const Tile& tile, const Place& place);
     /// Draws records (and marks over them) of one depth range.
     void drawRange(int first, int count, glm::vec3 depth, gpu::Raster::Depth kind);
     void makeRasters();

@@ -9,6 +9,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace apeiron::terrain {
 namespace {
@@ -31,10 +32,9 @@ struct Level {
 class Levels {
   public:
     Levels(const Place& place, double relief, int octaves)
-        : first_(std::max<std::int64_t>(0, place.level() - octaves)), place_(place.level()) {
+        : first_(std::max<std::int64_t>(0, place.level() - octaves)), place_(place.level()), last_(place_ + kDeepest) {
         const Shape& shape = place.shape();
-        const auto count = static_cast<std::size_t>(place_ - first_ + kDeepest + 1);
-        levels_.resize(count);
+        assert(place_ - first_ <= Place::kLiveLevels);
         const std::int64_t exponent = heightExponent(shape, place_);
         const auto unitOf = [&](std::int64_t n) {
             return relief * std::ldexp(1.0, static_cast<int>(exponent - heightExponent(shape, n)) - kFractionBits);
@@ -50,7 +50,7 @@ class Levels {
         at(place_) = level;
         std::uint64_t x = place.x();
         std::uint64_t y = place.y();
-        for (std::int64_t n = place_ + 1; n < first_ + static_cast<std::int64_t>(count); ++n) {
+        for (std::int64_t n = place_ + 1; n <= last_; ++n) {
             level.x = 2U * level.x + static_cast<std::uint32_t>(x >> 63U);
             level.y = 2U * level.y + static_cast<std::uint32_t>(y >> 63U);
             x <<= 1U;
@@ -82,7 +82,8 @@ class Levels {
 
     /// Moves the camera, on all levels, by an offset [world].
     void shift(const glm::dvec3& offset) {
-        for (Level& level : levels_) {
+        for (std::int64_t n = first_; n <= last_; ++n) {
+            Level& level = at(n);
             level.fraction += glm::dvec2(offset) / level.edge;
             const double units = std::ldexp(offset.z / level.unit, 32);
             if (std::abs(units) < 9e18) level.height += static_cast<std::uint64_t>(std::llround(units));
@@ -91,24 +92,50 @@ class Levels {
 
     std::int64_t first() const { return first_; }
     std::int64_t place() const { return place_; }
-    std::int64_t last() const { return first_ + static_cast<std::int64_t>(levels_.size()) - 1; }
+    std::int64_t last() const { return last_; }
     Level& at(std::int64_t level) { return levels_[static_cast<std::size_t>(level - first_)]; }
     const Level& at(std::int64_t level) const { return levels_[static_cast<std::size_t>(level - first_)]; }
 
-    Box box(const CellCache::Node& node) const {
-        const Level& level = at(node.key.level);
-        const double x = static_cast<double>(static_cast<std::int32_t>(node.key.x - level.x)) - level.fraction.x;
-        const double y = static_cast<double>(static_cast<std::int32_t>(node.key.y - level.y)) - level.fraction.y;
+    Box box(const CellKey& key, const CellCache::Node& node) const {
+        const Level& level = at(key.level);
+        const double x = static_cast<double>(static_cast<std::int32_t>(key.x - level.x)) - level.fraction.x;
+        const double y = static_cast<double>(static_cast<std::int32_t>(key.y - level.y)) - level.fraction.y;
         const auto corner = static_cast<std::int64_t>(detail::ringHeight(node.corner) - level.height);
         const double z = static_cast<double>(corner) * 0x1p-32;
         return {{x * level.edge, y * level.edge, (z + node.bounds.least) * level.unit},
                 {(x + 1.0) * level.edge, (y + 1.0) * level.edge, (z + node.bounds.most) * level.unit}};
     }
 
+    /// The same of all children of a cell.
+    Boxes boxes(const CellKey& parent, const CellCache::Family& family) const {
+        const Level& level = at(parent.level + 1);
+        const auto x = static_cast<std::int32_t>(2U * parent.x - level.x);
+        const auto y = static_cast<std::int32_t>(2U * parent.y - level.y);
+        Boxes boxes;
+        for (std::size_t i = 0; i < 4; ++i) {
+            boxes.least[0][i] = static_cast<double>(x + static_cast<std::int32_t>(i & 1U)) - level.fraction.x;
+            boxes.least[1][i] = static_cast<double>(y + static_cast<std::int32_t>(i >> 1U)) - level.fraction.y;
+            const auto corner = static_cast<std::int64_t>(detail::ringHeight(family[i].corner) - level.height);
+            const double z = static_cast<double>(corner) * 0x1p-32;
+            boxes.least[2][i] = z + family[i].bounds.least;
+            boxes.most[2][i] = z + family[i].bounds.most;
+        }
+        for (std::size_t i = 0; i < 4; ++i) {
+            boxes.most[0][i] = (boxes.least[0][i] + 1.0) * level.edge;
+            boxes.most[1][i] = (boxes.least[1][i] + 1.0) * level.edge;
+            boxes.least[0][i] *= level.edge;
+            boxes.least[1][i] *= level.edge;
+            boxes.least[2][i] *= level.unit;
+            boxes.most[2][i] *= level.unit;
+        }
+        return boxes;
+    }
+
   private:
     std::int64_t first_;
     std::int64_t place_;
-    std::vector<Level> levels_;
+    std::int64_t last_;
+    std::array<Level, Place::kLiveLevels + kDeepest + 1> levels_;
 };
 
 double outside(double least, double most) {
@@ -135,7 +162,7 @@ std::array<int, 4> nearFirst(const Box& box) {
 }
 
 /// The nine cells about the camera's, likewise; more at level 0, where the lattice needs no parents.
-std::vector<std::int32_t> rootsOf(CellCache& cache, const Place& place, std::int64_t level) {
+std::vector<Cell> rootsOf(const Place& place, std::int64_t level) {
     const int radius = level == 0 ? 3 : 1;
     std::vector<glm::ivec2> offsets;
     for (int y = -radius; y <= radius; ++y) {
@@ -144,12 +171,11 @@ std::vector<std::int32_t> rootsOf(CellCache& cache, const Place& place, std::int
     }
     const auto key = [](glm::ivec2 o) { return std::abs(o.x) + std::abs(o.y); };
     std::stable_sort(offsets.begin(), offsets.end(), [&](glm::ivec2 a, glm::ivec2 b) { return key(a) < key(b); });
-    std::vector<std::int32_t> roots;
+    std::vector<Cell> roots;
     for (const glm::ivec2 offset : offsets) {
-        const Cell cell = level == 0 ? rootCell(place.shape(), static_cast<std::uint32_t>(offset.x),
-                                                static_cast<std::uint32_t>(offset.y))
-                                     : place.block(level).cell(offset.x, offset.y);
-        roots.push_back(cache.node(place.shape(), cell));
+        roots.push_back(level == 0 ? rootCell(place.shape(), static_cast<std::uint32_t>(offset.x),
+                                              static_cast<std::uint32_t>(offset.y))
+                                   : place.block(level).cell(offset.x, offset.y));
     }
     return roots;
 }
@@ -186,107 +212,6 @@ glm::vec3 morphed(const Tile& tile, glm::ivec2 vertex, VertexHeights heights, co
 
 namespace {
 
-/// What one walk down the tree needs.
-struct Walk {
-    const Place& place;
-    const Levels& levels;
-    double ratio;
-    double clearance;
-    std::int64_t deepest;
-    std::int64_t finest;
-    const Frustum* frustum;
-    Horizon* horizon;
-    const CellSet* behind;
-};
-
-} // namespace
-
-struct Selection::State {
-    CellCache cache;
-    std::uint32_t turn = 0;
-    std::vector<std::pair<std::int32_t, Box>> found; ///< by the last walk; kept for its memory
-
-    /// From the nine roots down.
-    void walk(const Walk& w);
-    /// @param inside the camera is over the parent @param planes of the frustum that the parent is not inside of
-    void walk(const Walk& w, std::int32_t index, bool inside, unsigned planes);
-    double clearance(const Place& place, const Levels& levels);
-    void clearanceBelow(const Place& place, const Levels& levels, std::int32_t index, double& best);
-    void begin(const Place& place) {
-        ++turn;
-        cache.begin(place.shape(), turn);
-    }
-};
-
-void Selection::State::walk(const Walk& w) {
-    found.clear();
-    for (const std::int32_t root : rootsOf(cache, w.place, w.levels.first())) {
-        if (w.behind != nullptr && isWithin(*w.behind, cache[root].key)) continue;
-        walk(w, root, false, w.frustum != nullptr ? Frustum::kAll : 0U);
-    }
-}
-
-void Selection::State::walk(const Walk& w, std::int32_t index, bool inside, unsigned planes) {
-    cache.see(index);
-    const std::int64_t level = cache[index].key.level;
-    const Box box = w.levels.box(cache[index]);
-    if (planes != 0) planes = w.frustum->sees(box, planes);
-    if (planes == Frustum::kOutside) return;
-    if (w.horizon != nullptr && !inside && w.horizon->hides(box.least, box.most)) return;
-    if (w.behind != nullptr && w.behind->contains(cache[index].key)) {
-        if (w.horizon != nullptr) w.horizon->add(box.least, box.most);
-        return;
-    }
-    const double edge = w.levels.at(level).edge;
-    const double distance = groundDistance(box);
-    if (std::max(distance, w.clearance) >= w.ratio * edge || level >= w.deepest) {
-        found.emplace_back(index, box);
-        if (w.horizon != nullptr) w.horizon->add(box.least, box.most);
-        return;
-    }
-    if (level >= w.finest) return;
-    for (const int digit : nearFirst(box))
-        walk(w, cache.child(w.place.shape(), index, digit), distance == 0.0, planes);
-}
-
-void Selection::State::clearanceBelow(const Place& place, const Levels& levels, std::int32_t index, double& best) {
-    cache.see(index);
-    const std::int64_t level = cache[index].key.level;
-    const Box box = levels.box(cache[index]);
-    const double distance = distanceTo(box);
-    if (distance >= best) return;
-    if (box.least.z >= 0.0 && groundDistance(box) == 0.0) {
-        // All ground here is above the camera. (Looking further, heights would leave their range.)
-        best = 0.0;
-        return;
-    }
-    if (levels.at(level).edge <= 0.25 * distance || level >= levels.last()) {
-        best = distance;
-        return;
-    }
-    for (const int digit : nearFirst(box))
-        clearanceBelow(place, levels, cache.child(place.shape(), index, digit), best);
-}
-
-double Selection::State::clearance(const Place& place, const Levels& levels) {
-    double best = std::numeric_limits<double>::infinity();
-    for (const std::int32_t root : rootsOf(cache, place, levels.first()))
-        clearanceBelow(place, levels, root, best);
-    // Nothing is known of what is beyond the roots: they reach a cell beyond the camera's.
-    return std::min(best, levels.at(levels.first()).edge);
-}
-
-Selection::Selection() : state_(std::make_unique<State>()) {}
-Selection::~Selection() = default;
-Selection::Selection(Selection&&) noexcept = default;
-Selection& Selection::operator=(Selection&&) noexcept = default;
-
-std::size_t Selection::cachedCells() const {
-    return state_->cache.size();
-}
-
-namespace {
-
 /// Puts tiles together from cells.
 class TileMaker {
   public:
@@ -314,8 +239,9 @@ class TileMaker {
     const glm::dvec3& camera() const { return camera_; }
     std::int64_t originLevel() const { return originLevel_; }
 
-    Tile make(const Cell& cell, const Box& box, double clearance) const {
-        Tile tile = ofLevel_[static_cast<std::size_t>(cell.level - levels_.first())];
+    /// Appends one. @param least of heights, as in a Tile @param distance D of its nearest point
+    void make(std::vector<Tile>& tiles, const CellKey& cell, double least, double most, double distance) const {
+        Tile& tile = tiles.emplace_back(ofLevel_[static_cast<std::size_t>(cell.level - levels_.first())]);
         const auto shift = static_cast<unsigned>(view_.tileLevels);
         tile.cell = cell;
         tile.x = cell.x << shift;
@@ -328,10 +254,9 @@ class TileMaker {
             return static_cast<std::int32_t>((static_cast<std::int64_t>(fromRoot) << shift) - (origin << down));
         };
         tile.offset = {offset(cell.x, root.x, origin_.x), offset(cell.y, root.y, origin_.y)};
-        tile.least = box.least.z;
-        tile.most = box.most.z;
-        tile.distance = std::max(groundDistance(box), clearance);
-        return tile;
+        tile.least = least;
+        tile.most = most;
+        tile.distance = distance;
     }
 
   private:
@@ -367,6 +292,162 @@ class TileMaker {
     std::vector<Tile> ofLevel_;
 };
 
+/// What one walk down the tree needs.
+struct Walk {
+    const Levels& levels;
+    double ratio;
+    double clearance;
+    std::int64_t deepest;
+    std::int64_t finest;
+    const Frustum* frustum;
+    Horizon* horizon;
+    const CellSet* behind;
+    const TileMaker& maker;
+    std::vector<Tile>& found; ///< the tiles to draw
+    bool others;              ///< but those that this turn drew already
+};
+
+/// Four cells that a walk looks at, and all that it can know of them before it does.
+struct Four {
+    Boxes boxes;
+    std::array<unsigned, 4> planes{}; ///< of the frustum that each is not inside of; Frustum::kOutside
+    Boxes::Row distance;              ///< along the ground, the greater coordinate's
+    Horizon::Footprints footprints;   ///< where there is a horizon
+};
+
+/// @param planes of the frustum that all four are not inside of as one
+Four lookAt(const Walk& w, const Boxes& boxes, unsigned planes) {
+    Four four;
+    four.boxes = boxes;
+    if (planes != 0) {
+        four.planes = w.frustum->sees(boxes, planes);
+        if (std::count(four.planes.begin(), four.planes.end(), Frustum::kOutside) == 4) return four;
+    }
+    for (std::size_t i = 0; i < 4; ++i) {
+        const double x = larger(boxes.least[0][i], -boxes.most[0][i]);
+        const double y = larger(boxes.least[1][i], -boxes.most[1][i]);
+        four.distance[i] = larger(larger(x, y), 0.0);
+    }
+    if (w.horizon != nullptr) four.footprints = Horizon::footprints(boxes);
+    return four;
+}
+
+} // namespace
+
+struct Selection::State {
+    CellCache cache;
+    std::uint32_t turn = 0;
+    std::optional<Block> rootBlock; ///< about which the cache's roots are
+
+    /// From the nine roots down.
+    void walk(const Walk& w);
+    /// One of the four and what is below. @param inside the camera is over the parent
+    void visit(const Walk& w, const Four& four, std::size_t i, const CellKey& key, CellCache::Place place, bool inside);
+    double clearance(const Levels& levels);
+    void clearanceBelow(const Levels& levels, const CellKey& key, CellCache::Place place, const Box& box, double& best);
+    void begin(const Place& place, int octaves);
+};
+
+void Selection::State::begin(const Place& place, int octaves) {
+    ++turn;
+    cache.begin(place.shape(), turn);
+    const std::int64_t level = std::max<std::int64_t>(0, place.level() - octaves);
+    const Block& block = place.block(level);
+    if (!cache.roots().empty() && rootBlock == block) return;
+    cache.setRoots(rootsOf(place, level));
+    rootBlock = block;
+}
+
+void Selection::State::walk(const Walk& w) {
+    for (std::size_t first = 0; first < cache.roots().size(); first += 4) {
+        const std::size_t count = std::min<std::size_t>(cache.roots().size() - first, 4);
+        std::array<CellKey, 4> keys;
+        Boxes boxes;
+        for (std::size_t i = 0; i < 4; ++i) {
+            const CellCache::Root& root = cache.roots()[first + std::min(i, count - 1)];
+            keys[i] = {root.cell.level, root.cell.x, root.cell.y};
+            boxes.set(i, w.levels.box(keys[i], root.node));
+        }
+        const Four four = lookAt(w, boxes, w.frustum != nullptr ? Frustum::kAll : 0U);
+        for (std::size_t i = 0; i < count; ++i) {
+            if (w.behind != nullptr && isWithin(*w.behind, keys[i])) continue;
+            visit(w, four, i, keys[i], {-1, static_cast<std::int32_t>(first + i)}, false);
+        }
+    }
+}
+
+void Selection::State::visit(const Walk& w, const Four& four, std::size_t i, const CellKey& key, CellCache::Place place,
+                             bool inside) {
+    if (four.planes[i] == Frustum::kOutside) return;
+    const double distance = four.distance[i];
+    const bool horizon = w.horizon != nullptr && Horizon::isOutside(four.boxes, i);
+    if (horizon && !inside && w.horizon->hides(four.footprints, i)) return;
+    if (w.behind != nullptr && w.behind->contains(key)) {
+        if (horizon) w.horizon->add(four.footprints, i);
+        return;
+    }
+    if (larger(distance, w.clearance) >= w.ratio * w.levels.at(key.level).edge || key.level >= w.deepest) {
+        if (!w.others) cache.draw(place);
+        if (!w.others || !cache.drawnInTurn(place, turn))
+            w.maker.make(w.found, key, four.boxes.least[2][i], four.boxes.most[2][i], larger(distance, w.clearance));
+        if (horizon) w.horizon->add(four.footprints, i);
+        return;
+    }
+    if (key.level >= w.finest) return;
+    const std::int32_t family = cache.children(place, key);
+    cache.see(family);
+    const CellCache::Family& nodes = cache[family];
+    const Four children = lookAt(w, w.levels.boxes(key, nodes), four.planes[i]);
+    for (std::size_t k = 0; k < 4; ++k) {
+        if (children.planes[k] != Frustum::kOutside) cache.fetch(nodes[k].children);
+    }
+    for (const int digit : nearFirst(four.boxes[i])) {
+        visit(w, children, static_cast<std::size_t>(digit), childKey(key, digit), {family, digit}, distance == 0.0);
+    }
+}
+
+void Selection::State::clearanceBelow(const Levels& levels, const CellKey& key, CellCache::Place place, const Box& box,
+                                      double& best) {
+    const double distance = distanceTo(box);
+    if (distance >= best) return;
+    if (box.least.z >= 0.0 && groundDistance(box) == 0.0) {
+        // All ground here is above the camera. (Looking further, heights would leave their range.)
+        best = 0.0;
+        return;
+    }
+    if (levels.at(key.level).edge <= 0.25 * distance || key.level >= levels.last()) {
+        best = distance;
+        return;
+    }
+    const std::int32_t family = cache.children(place, key);
+    cache.see(family);
+    const Boxes boxes = levels.boxes(key, cache[family]);
+    for (const int digit : nearFirst(box))
+        clearanceBelow(levels, childKey(key, digit), {family, digit}, boxes[static_cast<std::size_t>(digit)], best);
+}
+
+double Selection::State::clearance(const Levels& levels) {
+    double best = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < cache.roots().size(); ++i) {
+        const CellCache::Root& root = cache.roots()[i];
+        const CellKey key{root.cell.level, root.cell.x, root.cell.y};
+        clearanceBelow(levels, key, {-1, static_cast<std::int32_t>(i)}, levels.box(key, root.node), best);
+    }
+    // Nothing is known of what is beyond the roots: they reach a cell beyond the camera's.
+    return std::min(best, levels.at(levels.first()).edge);
+}
+
+Selection::Selection() : state_(std::make_unique<State>()) {}
+Selection::~Selection() = default;
+Selection::Selection(Selection&&) noexcept = default;
+Selection& Selection::operator=(Selection&&) noexcept = default;
+
+std::size_t Selection::cachedCells() const {
+    return state_->cache.size();
+}
+
+namespace {
+
 std::int64_t deepestOf(const Levels& levels, const SelectionView& view) {
     return std::max(std::min(levels.place() + kDeepestTile, view.deepest), levels.first());
 }
@@ -375,20 +456,16 @@ std::int64_t deepestOf(const Levels& levels, const SelectionView& view) {
 
 const std::vector<Tile>& Selection::select(const Place& place, const SelectionView& view) {
     assert(view.ratio >= kLeastRatio && view.tileLevels >= 1 && view.tileLevels <= kMaxTileLevels);
-    state_->begin(place);
+    state_->begin(place, view.octaves);
     const Levels levels(place, view.relief, view.octaves);
-    clearance_ = state_->clearance(place, levels);
+    clearance_ = state_->clearance(levels);
     const Frustum frustum(view.camera, view.tanHalfFov, view.aspect);
     Horizon horizon;
     const std::int64_t deepest = deepestOf(levels, view);
-    state_->walk({place, levels, view.ratio, clearance_, deepest, view.finest, view.cullFrustum ? &frustum : nullptr,
-                  view.cullHorizon ? &horizon : nullptr, view.behind});
     const TileMaker maker(place, levels, view, deepest);
     tiles_.clear();
-    for (const auto& [index, box] : state_->found) {
-        state_->cache.draw(index);
-        tiles_.push_back(maker.make(state_->cache.cell(index), box, clearance_));
-    }
+    state_->walk({levels, view.ratio, clearance_, deepest, view.finest, view.cullFrustum ? &frustum : nullptr,
+                  view.cullHorizon ? &horizon : nullptr, view.behind, maker, tiles_, false});
     camera_ = maker.camera();
     originLevel_ = maker.originLevel();
     return tiles_;
@@ -398,17 +475,13 @@ std::vector<Tile> Selection::prefetch(const Place& place, const SelectionView& v
                                       std::size_t most) {
     Levels levels(place, view.relief, view.octaves);
     levels.shift(travel);
-    const double clearance = state_->clearance(place, levels);
+    const double clearance = state_->clearance(levels);
     const Frustum frustum(view.camera, view.tanHalfFov, view.aspect);
     const std::int64_t deepest = deepestOf(levels, view);
-    state_->walk({place, levels, view.ratio, clearance, deepest, view.finest, view.cullFrustum ? &frustum : nullptr,
-                  nullptr, view.behind});
     const TileMaker maker(place, levels, view, deepest);
     std::vector<Tile> tiles;
-    for (const auto& [index, box] : state_->found) {
-        if (!state_->cache.drawnInTurn(index, state_->turn))
-            tiles.push_back(maker.make(state_->cache.cell(index), box, clearance));
-    }
+    state_->walk({levels, view.ratio, clearance, deepest, view.finest, view.cullFrustum ? &frustum : nullptr, nullptr,
+                  view.behind, maker, tiles, true});
     // The finest are the nearest: what is missed first.
     std::stable_sort(tiles.begin(), tiles.end(), [](const Tile& a, const Tile& b) { return a.distance < b.distance; });
     if (tiles.size() > most) tiles.resize(most);
@@ -416,8 +489,8 @@ std::vector<Tile> Selection::prefetch(const Place& place, const SelectionView& v
 }
 
 double Selection::clearance(const Place& place, double relief, int octaves) {
-    state_->begin(place);
-    return state_->clearance(place, Levels(place, relief, octaves));
+    state_->begin(place, octaves);
+    return state_->clearance(Levels(place, relief, octaves));
 }
 
 } // namespace apeiron::terrain

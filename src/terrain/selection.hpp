@@ -42,7 +42,7 @@ double splitRatio(double pictureHeight, double tanHalfFov, double pixels, int ti
 /// A tile to draw. Positions are relative to an origin that is a lattice point of all tiles of the selection, so that
 /// integers are subtracted before anything becomes a float: border vertices of neighbours get identical bits.
 struct Tile {
-    Cell cell;              ///< the tile is the 2^tileLevels-fold subdivision of it
+    CellKey cell;           ///< the tile is the 2^tileLevels-fold subdivision of it; see Place::cellNamed()
     std::int64_t level = 0; ///< of its vertices: cell.level + tileLevels
     std::uint32_t x = 0;    ///< its first vertex on the lattice of `level`, modulo 2^32; with `level` a cache's key
     std::uint32_t y = 0;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace apeiron::terrain {
@@ -29,46 +30,99 @@ TileCache::TileCache(const gpu::Context& context, int tileLevels, std::int64_t b
     : tileLevels_(tileLevels), bytes_(bytes), side_((1 << tileLevels) + 1), across_(tilesAcross(context, side_, bytes)),
       heights_(context, gpu::PixelFormat::RG32I, {across_ * side_, across_ * side_}, "tile heights"),
       slopes_(context, gpu::PixelFormat::RGBA16F, {across_ * side_, across_ * side_}, "tile slopes"),
-      heightTargets_(context, {&heights_}) {}
+      heightTargets_(context, {&heights_}), index_(std::bit_ceil(2U * static_cast<unsigned>(capacity())), -1) {
+    entries_.reserve(static_cast<std::size_t>(capacity()));
+}
 
 void TileCache::begin(const Shape& shape) {
     ++turn_;
     if (shape == shape_) return;
     shape_ = shape;
     entries_.clear();
-    index_.clear();
+    newest_ = -1;
+    std::fill(index_.begin(), index_.end(), -1);
+}
+
+std::size_t TileCache::position(const CellKey& key) const {
+    const std::size_t mask = index_.size() - 1;
+    std::size_t at = CellKeyHash{}(key)&mask;
+    while (index_[at] >= 0 && entries_[static_cast<std::size_t>(index_[at])].key != key)
+        at = (at + 1) & mask;
+    return at;
+}
+
+std::int32_t TileCache::slotOf(const CellKey& key) const {
+    return index_[position(key)];
+}
+
+void TileCache::forget(const CellKey& key) {
+    const std::size_t mask = index_.size() - 1;
+    std::size_t hole = position(key);
+    // Those behind move up, unless they stood before their own place then.
+    for (std::size_t at = (hole + 1) & mask; index_[at] >= 0; at = (at + 1) & mask) {
+        const std::size_t own = CellKeyHash{}(entries_[static_cast<std::size_t>(index_[at])].key) & mask;
+        if (((at - own) & mask) < ((at - hole) & mask)) continue;
+        index_[hole] = index_[at];
+        hole = at;
+    }
+    index_[hole] = -1;
+}
+
+void TileCache::unlink(std::int32_t slot) {
+    const Entry& entry = entries_[static_cast<std::size_t>(slot)];
+    if (newest_ == slot) newest_ = entry.older == slot ? -1 : entry.older;
+    entries_[static_cast<std::size_t>(entry.newer)].older = entry.older;
+    entries_[static_cast<std::size_t>(entry.older)].newer = entry.newer;
+}
+
+void TileCache::link(std::int32_t slot) {
+    Entry& entry = entries_[static_cast<std::size_t>(slot)];
+    if (newest_ < 0) newest_ = entry.newer = slot;
+    entry.older = newest_;
+    entry.newer = entries_[static_cast<std::size_t>(newest_)].newer;
+    entries_[static_cast<std::size_t>(entry.newer)].older = slot;
+    entries_[static_cast<std::size_t>(entry.older)].newer = slot;
+    newest_ = slot;
 }
 
 glm::ivec2 TileCache::find(const Tile& tile) {
-    const auto found = index_.find({tile.level, tile.x, tile.y});
-    if (found == index_.end()) return {-1, -1};
-    entries_.splice(entries_.begin(), entries_, found->second);
-    found->second->turn = turn_;
-    return squareAt(found->second->slot);
+    const std::int32_t slot = slotOf({tile.level, tile.x, tile.y});
+    if (slot < 0) return {-1, -1};
+    if (slot != newest_) {
+        unlink(slot);
+        link(slot);
+    }
+    entries_[static_cast<std::size_t>(slot)].turn = turn_;
+    return squareAt(slot);
 }
 
-glm::ivec2 TileCache::place(const Tile& tile, Maker maker, gpu::KernelCache& kernels, gpu::Stage stage) {
+glm::ivec2 TileCache::place(const Tile& tile, const Place& where, Maker maker, gpu::KernelCache& kernels,
+                            gpu::Stage stage) {
     if (const glm::ivec2 there = find(tile); there.x >= 0) return there;
     const CellKey key{tile.level, tile.x, tile.y};
-    int slot = static_cast<int>(entries_.size());
+    auto slot = static_cast<std::int32_t>(entries_.size());
     if (slot >= capacity()) {
-        if (entries_.back().turn == turn_) return {-1, -1};
-        slot = entries_.back().slot;
-        index_.erase(entries_.back().key);
-        entries_.pop_back();
+        slot = entries_[static_cast<std::size_t>(newest_)].newer; // the ring's end: the oldest
+        Entry& oldest = entries_[static_cast<std::size_t>(slot)];
+        if (oldest.turn == turn_) return {-1, -1};
+        forget(oldest.key);
+        unlink(slot);
+        oldest = {key, turn_, slot, slot};
+    } else {
+        entries_.push_back({key, turn_, slot, slot});
     }
-    entries_.push_front({key, slot, turn_});
-    index_.emplace(key, entries_.begin());
-    make(tile, squareAt(slot), maker, kernels, stage);
+    link(slot);
+    index_[position(key)] = slot;
+    make(where.cellNamed(tile.cell), squareAt(slot), maker, kernels, stage);
     ++generated_;
     return squareAt(slot);
 }
 
-void TileCache::make(const Tile& tile, glm::ivec2 at, Maker maker, gpu::KernelCache& kernels, gpu::Stage stage) {
+void TileCache::make(const Cell& cell, glm::ivec2 at, Maker maker, gpu::KernelCache& kernels, gpu::Stage stage) {
     const int n = side_;
     const int wide = n + 2;
     vertices_.resize(static_cast<std::size_t>(wide) * static_cast<std::size_t>(wide));
-    tileHeights(shape_, tile.cell, tileLevels_, 1, vertices_);
+    tileHeights(shape_, cell, tileLevels_, 1, vertices_);
     const auto vertex = [&](int x, int y) -> const VertexHeights& {
         return vertices_[static_cast<std::size_t>(y + 1) * static_cast<std::size_t>(wide) +
                          static_cast<std::size_t>(x + 1)];
@@ -123,7 +177,7 @@ void TileCache::make(const Tile& tile, glm::ivec2 at, Maker maker, gpu::KernelCa
                                        "void kernel_main(ivec2 pixel, out ivec4 heights) {\n"
                                        "    heights = ivec4(terrain_height(pixel - terrain_first), 0, 0);\n}\n");
         const auto kernel = kernels.get("tile heights", source, stage, {gpu::PixelFormat::RG32I});
-        setTile(*kernel, shape_, tile.cell, tileLevels_);
+        setTile(*kernel, shape_, cell, tileLevels_);
         kernel->set("terrain_first", at);
         kernel->run(heightTargets_, {at, {n, n}}, heights_.size());
         return;

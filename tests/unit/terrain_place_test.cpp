@@ -82,7 +82,9 @@ TEST(TerrainPlace, cells_near_are_the_cells_that_paths_lead_to) {
                 deeper.descend();
             if (level > place.level()) address = deeper.address();
             ASSERT_GE(address.move(dx, dy), 0);
-            EXPECT_EQ(place.cellNear(level, dx, dy), cellAt(shape, address.toString())) << level << " " << dx;
+            const Cell cell = cellAt(shape, address.toString());
+            EXPECT_EQ(place.cellNear(level, dx, dy), cell) << level << " " << dx;
+            EXPECT_EQ(place.cellNamed({cell.level, cell.x, cell.y}), cell) << level << " " << dx;
         }
     }
 }

@@ -99,7 +99,7 @@ TEST(TerrainSelection, border_vertices_of_morphed_tiles_have_identical_bits) {
             std::map<std::pair<std::int64_t, std::int64_t>, std::vector<std::pair<std::int64_t, glm::vec3>>> borders;
             std::vector<VertexHeights> heights((kCells + 1) * (kCells + 1));
             for (const Tile& tile : tiles) {
-                tileHeights(shape, tile.cell, kLevels, 0, heights);
+                tileHeights(shape, place.cellNamed(tile.cell), kLevels, 0, heights);
                 const std::int64_t scale = std::int64_t{1} << (finest - tile.level);
                 for (int j = 0; j <= kCells; ++j) {
                     for (int i = 0; i <= kCells; ++i) {
@@ -156,7 +156,7 @@ TEST(TerrainSelection, clearance_is_below_the_distance_to_every_vertex_and_not_f
             std::vector<VertexHeights> heights(65 * 65);
             for (const Tile& tile : tiles) {
                 if (tile.distance > 6.0) continue;
-                tileHeights(shape, tile.cell, 6, 0, heights);
+                tileHeights(shape, place.cellNamed(tile.cell), 6, 0, heights);
                 for (int i = 0; i < 65 * 65; ++i) {
                     const double z =
                         heightDifference(heights[static_cast<std::size_t>(i)].x, tile.originHeight) * tile.heightUnit;
@@ -209,7 +209,7 @@ TEST(TerrainSelection, what_is_culled_is_not_in_the_picture) {
         std::vector<VertexHeights> heights(17 * 17);
         for (const Tile& tile : all) {
             if (kept.contains(key(tile))) continue;
-            tileHeights(shape, tile.cell, 4, 0, heights);
+            tileHeights(shape, place.cellNamed(tile.cell), 4, 0, heights);
             for (int i = 0; i < 17 * 17; ++i) {
                 const glm::dvec3 at((tile.offset.x + i % 17) * tile.spacing, (tile.offset.y + i / 17) * tile.spacing,
                                     heightDifference(heights[static_cast<std::size_t>(i)].x, tile.originHeight) *
@@ -232,8 +232,11 @@ TEST(TerrainSelection, is_the_same_with_cells_remembered_and_without) {
     SelectionView view = everything(5, 1.5);
     for (int i = 0; i < 300; ++i) {
         place.move({0.05, 0.02, -0.004});
+        // Down and up again: what were roots become cells below others, and the other way around.
         if (i % 25 == 24) place.descend();
+        if (i % 40 == 39) place.ascend();
         const std::vector<Tile>& tiles = remembering.select(place, view);
+        remembering.prefetch(place, view, {0.2, 0.1, 0.0}, 100);
         if (i % 20 != 0) continue;
         Selection fresh;
         const std::vector<Tile>& same = fresh.select(place, view);
@@ -241,9 +244,36 @@ TEST(TerrainSelection, is_the_same_with_cells_remembered_and_without) {
         for (std::size_t t = 0; t < tiles.size(); ++t) {
             ASSERT_EQ(tiles[t].cell, same[t].cell);
             ASSERT_EQ(tiles[t].offset, same[t].offset);
+            ASSERT_EQ(tiles[t].least, same[t].least);
+            ASSERT_EQ(tiles[t].most, same[t].most);
         }
     }
     EXPECT_LT(remembering.cachedCells(), 5000U);
+}
+
+TEST(TerrainSelection, tiles_name_cells_whose_ground_is_between_their_bounds) {
+    for (const Shape& shape : shapes()) {
+        for (const int levels : {0, 3, 90}) {
+            const Place place = placeAt(shape, levels, 6, {0.3, 0.6, 1.5});
+            Selection selection;
+            std::vector<VertexHeights> heights(17 * 17);
+            int outside = 0;
+            for (const Tile& tile : selection.select(place, everything(4, 1.5))) {
+                const Cell cell = place.cellNamed(tile.cell);
+                ASSERT_EQ(cell.level, tile.cell.level);
+                ASSERT_EQ(cell.x, tile.cell.x);
+                ASSERT_EQ(cell.y, tile.cell.y);
+                tileHeights(shape, cell, 4, 0, heights);
+                for (const VertexHeights& height : heights) {
+                    const double z =
+                        heightDifference(height.x, tile.originHeight) * tile.heightUnit - selection.camera().z;
+                    const double rounding = 1e-9 * (std::abs(tile.least) + std::abs(tile.most));
+                    outside += z < tile.least - rounding || z > tile.most + rounding ? 1 : 0;
+                }
+            }
+            EXPECT_EQ(outside, 0) << levels;
+        }
+    }
 }
 
 TEST(TerrainSelection, prefetch_lists_what_the_next_picture_needs) {
