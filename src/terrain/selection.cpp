@@ -172,6 +172,7 @@ std::vector<Cell> rootsOf(const Place& place, std::int64_t level) {
     const auto key = [](glm::ivec2 o) { return std::abs(o.x) + std::abs(o.y); };
     std::stable_sort(offsets.begin(), offsets.end(), [&](glm::ivec2 a, glm::ivec2 b) { return key(a) < key(b); });
     std::vector<Cell> roots;
+    roots.reserve(offsets.size());
     for (const glm::ivec2 offset : offsets) {
         roots.push_back(level == 0 ? rootCell(place.shape(), static_cast<std::uint32_t>(offset.x),
                                               static_cast<std::uint32_t>(offset.y))
