@@ -11,6 +11,23 @@ glm::dvec3 difference(const parameter::Decimal3& value, const parameter::Decimal
     return {(value[0] - origin[0]).toDouble(), (value[1] - origin[1]).toDouble(), (value[2] - origin[2]).toDouble()};
 }
 
+namespace {
+
+/// Unit vectors along the width and the height of a rectangle whose front side looks along `front` (0: down), the
+/// height being as near to +z as it can be before the roll [deg]. Their cross product is the direction of the front.
+glm::dmat2x3 rectangleSides(glm::dvec3 front, double roll) {
+    const double length = glm::length(front);
+    front = length > 0.0 ? front / length : glm::dvec3(0, 0, -1);
+    const glm::dvec3 up = std::abs(front.z) < 0.9999999 ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0);
+    const glm::dvec3 x = glm::normalize(glm::cross(up, front));
+    const glm::dvec3 y = glm::cross(front, x);
+    const double c = std::cos(glm::radians(roll));
+    const double s = std::sin(glm::radians(roll));
+    return {c * x + s * y, c * y - s * x};
+}
+
+} // namespace
+
 View::View(const scene::Scene& scene, glm::ivec2 size) : size_(size) {
     const scene::Camera camera(scene.camera);
     basis_ = glm::mat3(glm::mat3_cast(camera.orientation()));
@@ -24,7 +41,9 @@ View::View(const scene::Scene& scene, glm::ivec2 size) : size_(size) {
 
     bool sunSeen = false;
     for (const parameter::Node& light : scene.lights) {
-        const glm::vec3 color(light.vec3("color") * light.number("intensity"));
+        glm::vec3 color(light.vec3("color") * light.number("intensity"));
+        glm::vec4 x(0.0F);
+        glm::vec4 y(0.0F);
         if (light.type().name == "sun") {
             const double azimuth = glm::radians(light.number("azimuth"));
             const double elevation = glm::radians(light.number("elevation"));
@@ -36,10 +55,25 @@ View::View(const scene::Scene& scene, glm::ivec2 size) : size_(size) {
             if (!sunSeen) sun_ = direction;
             sunSeen = true;
         } else {
-            const glm::vec3 place(difference(light.get<parameter::Decimal3>("position"), camera.position()));
-            lightKinds_.push_back(1);
-            lightPlaces_.emplace_back(place, static_cast<float>(light.number("radius")));
+            const auto& position = light.get<parameter::Decimal3>("position");
+            const glm::vec3 place(difference(position, camera.position()));
+            if (light.type().name == "point") {
+                lightKinds_.push_back(1);
+                lightPlaces_.emplace_back(place, static_cast<float>(light.number("radius")));
+            } else {
+                const glm::dmat2x3 sides = rectangleSides(
+                    difference(light.get<parameter::Decimal3>("target"), position), light.number("roll"));
+                const double width = light.number("width");
+                const double height = light.number("height");
+                lightKinds_.push_back(2);
+                lightPlaces_.emplace_back(place, light.get<bool>("visible") ? 1.0F : 0.0F);
+                x = glm::vec4(glm::vec3(sides[0]), static_cast<float>(0.5 * width));
+                y = glm::vec4(glm::vec3(sides[1]), static_cast<float>(0.5 * height));
+                color /= static_cast<float>(width * height);
+            }
         }
+        lightX_.push_back(x);
+        lightY_.push_back(y);
         lightColors_.push_back(color);
     }
     environmentIntensity_ = static_cast<float>(scene.environment.number("intensity"));
@@ -69,6 +103,8 @@ void View::upload(gpu::Kernel& kernel) const {
     if (!lightKinds_.empty()) {
         kernel.set("light_kind", std::span<const int>(lightKinds_));
         kernel.set("light_place", std::span<const glm::vec4>(lightPlaces_));
+        kernel.set("light_x", std::span<const glm::vec4>(lightX_));
+        kernel.set("light_y", std::span<const glm::vec4>(lightY_));
         kernel.set("light_color", std::span<const glm::vec3>(lightColors_));
     }
     kernel.set("light_sun", sun_);

@@ -32,6 +32,8 @@ class View {
     int blades_ = 0;
     std::vector<int> lightKinds_;
     std::vector<glm::vec4> lightPlaces_;
+    std::vector<glm::vec4> lightX_;
+    std::vector<glm::vec4> lightY_;
     std::vector<glm::vec3> lightColors_;
     glm::vec3 sun_{0.0F, 0.0F, 1.0F};
     float environmentIntensity_ = 1.0F;

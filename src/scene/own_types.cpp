@@ -129,6 +129,33 @@ NodeType point() {
     };
 }
 
+NodeType rectangle() {
+    return {
+        "light",
+        "rectangle",
+        "Light from the front of a rectangle that shines evenly: a lamp of the studio, a window",
+        {
+            Declare("position", Type::Decimal3, decimals("1", "-1.5", "2"), "Centre of the rectangle"),
+            Declare("target", Type::Decimal3, decimals("0", "0", "0"), "Where its front looks"),
+            Declare("roll", Type::Float, 0.0, "Turn around that direction; at 0 the height is as upright as it can be")
+                .range(-180, 180)
+                .unit("deg"),
+            Declare("width", Type::Float, 1.0, "Width of the rectangle").range(1e-6, 1e6).logarithmic(),
+            Declare("height", Type::Float, 1.0, "Height of the rectangle").range(1e-6, 1e6).logarithmic(),
+            Declare("color", Type::Vec3, glm::dvec3(1, 0.95, 0.85), "Colour of the light").range(0, 1).color(),
+            Declare(
+                "intensity", Type::Float, 10.0,
+                "Radiant intensity straight ahead: radiance times area. Sizes change shadows, not brightness; power is "
+                "intensity times pi")
+                .range(0, 1e9)
+                .logarithmic(),
+            Declare("visible", Type::Bool, false,
+                    "The camera sees it, too, in raymarch, pathtrace, mcs and mcm; what is behind shines through"),
+        },
+        {},
+    };
+}
+
 NodeType environment() {
     return {
         "environment",
@@ -234,7 +261,7 @@ NodeType output() {
 } // namespace
 
 std::vector<NodeType> ownTypes() {
-    return {camera(), renderer(), sun(), point(), environment(), post(), effect(), output()};
+    return {camera(), renderer(), sun(), point(), rectangle(), environment(), post(), effect(), output()};
 }
 
 } // namespace apeiron::scene

@@ -54,7 +54,12 @@ vec3 field_lit(FieldLook look, ivec2 pixel, uint place, vec3 position, vec3 colo
     }
     vec3 sum = look.sky_light * open * mix(environment_irradiance(view), environment_irradiance(n), formed) * color;
     for (int i = 0; i < light_count; ++i) {
-        LightSample light = light_at(i, position);
+        // Points of a rectangle: each place along the ray has another one (a lattice: Roberts 2018, "The Unreasonable Effectiveness of
+        // Quasirandom Sequences").
+        vec2 u = vec2(0.0);
+        for (int n = 0; n < int(light_flat(i)); ++n)
+            u = fract(random_pair(pixel, 64u + uint(i)) + float(place) * vec2(0.754877666, 0.569840291));
+        LightSample light = light_shading(i, position, u);
         float cosine = mix(0.5, max(dot(n, light.direction), 0.0), formed);
         float highlight = pow(max(dot(n, normalize(light.direction + view)), 0.0), look.shininess) * look.specular * formed;
         float lit = 1.0;

@@ -1,6 +1,5 @@
 #include "render/glsl/camera.glsl"
-#include "render/glsl/environment.glsl"
-#include "render/glsl/environment_distribution.glsl"
+#include "render/glsl/light_choice.glsl"
 #include "render/glsl/brdf.glsl"
 #include "render/glsl/medium.glsl"
 #include "render/glsl/phase.glsl"
@@ -28,40 +27,13 @@ float medium_number() {
     return random_unit((word >> 22) ^ word);
 }
 
-float medium_heuristic(float own, float other) {
-    float ratio = other / max(own, 1e-20);
-    return 1.0 / (1.0 + ratio * ratio);
-}
-
 vec3 medium_limited(vec3 light, bool indirect, float limit) {
     float most = max(light.r, max(light.g, light.b));
     return indirect && limit > 0.0 && most > limit ? light * (limit / most) : light;
 }
 
-// Light of number k (light_count: the environment) from one direction of it.
-vec3 medium_light(int k, vec3 position, vec2 u, out vec3 direction, out float distance, out float pdf, out bool sharp) {
-    sharp = false;
-    if (k == light_count) {
-        direction = environment_sample(u, pdf);
-        distance = 1e30;
-        return environment_at(direction) / pdf;
-    }
-    LightSample light = light_at(k, position);
-    sharp = light_sharp(light);
-    pdf = light_pdf(light);
-    light = light_sample(light, u);
-    direction = light.direction;
-    distance = light.distance;
-    return light.irradiance;
-}
-
 // An environment that is about the same everywhere is best found by chance: no ray for it is needed.
 bool medium_asks_environment(int sampling) { return sampling == 1 || (sampling == 0 && environment_peak > 4.0); }
-
-float medium_chance(int k, vec3 position, bool environment) {
-    if (k == light_count) return environment ? 3.0 * environment_mean() : 0.0;
-    return dot(light_at(k, position).irradiance, vec3(1.0)) * 0.0795774715;
-}
 
 void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 albedo) {
     Ray ray = camera_sample(pixel);
@@ -70,7 +42,6 @@ void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geom
     albedo = vec4(0.0);
     MediumRay path;
     vec3 sum = vec3(0.0);
-    bool environment = medium_asks_environment(how.sampling);
     medium_random = random_hash(uint(pixel.x) ^ random_hash(uint(pixel.y) ^ random_hash(random_sample ^ random_hash(random_seed ^ 0x6d656469u))));
     // The first flight and the first collision have the sequences that converge fastest.
     vec2 first_flight = random_pair(pixel, 16u);
@@ -80,9 +51,7 @@ void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geom
 
     vec3 through = vec3(1.0); // what is left of light that comes along the path when it reaches the camera
     int bounce = 0;           // collisions so far
-    float pdf = 0.0;          // of the path's direction by scattering
-    float chances = 0.0;      // of all lights where it comes from
-    vec3 from = vec3(0.0);    // that place
+    LightOrigin from = LightOrigin(vec3(0.0), vec3(0.0), 0.0, 0.0, medium_asks_environment(how.sampling)); // its last collision
     bool asking = false;      // the ray under way goes to a light
     vec3 light = vec3(0.0);   // what that brings if nothing is in the way
     vec3 next = vec3(0.0);    // where the path goes on to then
@@ -92,6 +61,9 @@ void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geom
     bool inside = medium_enter(ray, path);
     float t = ray.t_min;
     bool alive = true;
+    bool lamp = false;        // the camera sees a light
+    bool near = false;        // lights may be within the medium
+    for (int k = 0; k < light_count; ++k) near = near || light_kind[k] != 0;
     // Slices are seen by the camera alone; one that hides a part is there for that part of the paths.
     Slice slice = Slice(1e30, vec4(0.0));
     if (inside) slice = slice_next(ray, slice_start(ray));
@@ -146,39 +118,36 @@ void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geom
             ray.t_max = 1e30;
             again = true;
         }
+        // The path happens to hit lights on its way; suns only where it leaves.
+        for (int n = 0; n < int(!again && (gone || (collided && near)) && light_count > 0); ++n) {
+            float end = gone && !(sliced && bounce == 0) ? 1e30 : t;
+            vec3 met = bounce == 0 ? light_seen(ray.origin, ray.direction, end) : light_found(how.sampling, from, ray.direction, end);
+            lamp = bounce == 0 && met != vec3(0.0);
+            sum += medium_limited(through * met, bounce > 1, how.limit);
+        }
         for (int n = 0; n < int(gone && !again); ++n) {
-            // The path leaves: it meets the environment, and lights that it happens to hit.
-            vec3 met = vec3(0.0);
+            // It leaves and meets the environment, or a slice.
             bool camera = bounce == 0;
-            float weight = 1.0;
-            if (!camera && environment && how.sampling == 0) {
-                float other = environment_pdf(ray.direction) * medium_chance(light_count, from, environment) / max(chances, 1e-30);
-                weight = medium_heuristic(pdf, other);
-            }
-            if (how.sampling != 1 || camera) met = weight * environment_at(ray.direction);
-            for (int k = 0; k < light_count && !camera && how.sampling != 1; ++k) {
-                LightSample lamp = light_at(k, from);
-                float distance;
-                vec3 seen = light_radiance(lamp, ray.direction, distance);
-                if (seen == vec3(0.0)) continue;
-                float other = light_pdf(lamp) * medium_chance(k, from, environment) / max(chances, 1e-30);
-                met += seen * (how.sampling == 2 ? 1.0 : medium_heuristic(pdf, other));
-            }
-            radiance.a = camera && environment_transparent ? 0.0 : 1.0;
-            for (int j = 0; j < int(camera && sliced); ++j) {
+            vec3 met = vec3(0.0);
+            radiance.a = camera && environment_transparent && !lamp ? 0.0 : 1.0;
+            if (!camera) {
+                met = environment_found(how.sampling, from, ray.direction);
+            } else if (sliced) {
                 met = slice.color.rgb;
                 radiance.a = 1.0;
                 geometry = vec4(-ray.direction, slice.t);
                 albedo = vec4(min(met, vec3(1.0)), 1.0);
+            } else if (!environment_transparent) {
+                met = environment_at(ray.direction);
             }
-            if (radiance.a > 0.0) sum += medium_limited(through * met, bounce > 1, how.limit);
+            sum += medium_limited(through * met, bounce > 1, how.limit);
             alive = false;
         }
         // A path whose last flight ends in the medium brings nothing more.
         alive = alive && !(collided && bounce >= how.bounces);
         for (int n = 0; n < int(collided && alive); ++n) {
             vec3 place = path.origin + t * path.direction;
-            from = ray.origin + t * ray.direction;
+            from.position = ray.origin + t * ray.direction;
             Medium m = medium_at(place, look);
             if (bounce == 0) {
                 bool border = dot(m.normal, m.normal) > 0.0;
@@ -208,45 +177,31 @@ void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geom
                 gloss = brdf_gloss(how.brdf, material, normal, view);
             }
             // A light, by its chance.
-            int chosen = -1;
-            float chance = 0.0;
-            chances = 0.0;
-            for (int k = 0; k <= light_count && how.sampling != 2; ++k) {
-                float weight = medium_chance(k, from, environment);
-                chances += weight;
-                if (weight <= 0.0) continue;
-                float p = weight / chances;
-                if (u_choice < p) {
-                    chosen = k;
-                    chance = weight;
-                    u_choice /= p;
-                } else {
-                    u_choice = (u_choice - p) / (1.0 - p);
-                }
-            }
+            float part;
+            int chosen = light_choose(from, u_choice, part);
             light = vec3(0.0);
             vec3 towards = vec3(0.0);
             float distance = 0.0;
             for (int j = 0; j < int(chosen >= 0); ++j) {
-                float part = chance / chances;
-                float light_density;
+                float density;
                 bool sharp;
-                vec3 arriving = medium_light(chosen, from, u_light, towards, distance, light_density, sharp);
+                LightSample asked = light_asked(chosen, from.position, u_light, density, sharp);
+                towards = asked.direction;
+                distance = asked.distance;
                 float cosine = dot(ray.direction, towards);
                 vec3 value = surface ? brdf_value(how.brdf, material, normal, view, towards) : vec3(phase_value(g, cosine));
                 float own = surface ? brdf_pdf(how.brdf, gloss, material, normal, view, towards) : value.x;
-                float weight = sharp || how.sampling == 1 ? 1.0 : medium_heuristic(part * light_density, own);
-                light = through * value * arriving * (weight / part);
+                light = through * value * asked.irradiance * (light_asked_weight(how.sampling, part, density, sharp, own) / part);
             }
             // Where the path goes on.
             if (surface) {
                 next = brdf_sample(how.brdf, gloss, material, normal, view, u_scatter, medium_number());
-                pdf = brdf_pdf(how.brdf, gloss, material, normal, view, next);
+                from.pdf = brdf_pdf(how.brdf, gloss, material, normal, view, next);
                 vec3 value = brdf_value(how.brdf, material, normal, view, next);
-                through *= pdf > 0.0 ? value / pdf : vec3(0.0);
+                through *= from.pdf > 0.0 ? value / from.pdf : vec3(0.0);
             } else {
                 next = phase_sample(g, ray.direction, u_scatter);
-                pdf = phase_value(g, dot(ray.direction, next));
+                from.pdf = phase_value(g, dot(ray.direction, next));
             }
             asking = max(light.r, max(light.g, light.b)) > 0.0;
             ray.direction = asking ? towards : next;
@@ -256,7 +211,7 @@ void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geom
             again = true;
         }
         for (int n = 0; n < int(again && alive); ++n) {
-            ray.origin = from;
+            ray.origin = from.position;
             ray.t_min = 0.0;
             t = 0.0;
             inside = medium_enter(ray, path);

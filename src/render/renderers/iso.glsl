@@ -13,13 +13,15 @@ uniform vec4 opacities;  //! (0.35, 1, 0, 0) [0, 1] | Their opacities seen strai
 uniform float roughness; //! 0.35 [0, 1] | Roughness of the surfaces
 uniform float sky_light; //! 1 [0, 4] | Strength of the environment's light
 
-vec3 lit(vec3 position, vec3 n, vec3 v, vec3 color) {
+vec3 lit(ivec2 pixel, vec3 position, vec3 n, vec3 v, vec3 color) {
     Material m = Material(color, roughness, 0.0, vec3(0.0));
     vec3 gloss = brdf_environment(m, n, v);
     vec3 mirrored = environment_at(normalize(mix(reflect(-v, n), n, roughness * roughness)));
     vec3 sum = sky_light * (color * (1.0 - gloss) * environment_irradiance(n) * 0.318309886 + gloss * mirrored);
     for (int i = 0; i < light_count; ++i) {
-        LightSample light = light_at(i, position);
+        vec2 u = vec2(0.0);
+        for (int n = 0; n < int(light_flat(i)); ++n) u = random_pair(pixel, 8u + uint(i));
+        LightSample light = light_shading(i, position, u);
         sum += brdf_value(2, m, n, v, light.direction) * light.irradiance;
     }
     return sum;
@@ -80,7 +82,7 @@ void kernel_main(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 alb
             float cosine = max(-dot(normal, ray.direction), 0.05);
             float cover = opacities[k] >= 1.0 ? 1.0 : 1.0 - pow(1.0 - opacities[k], 1.0 / cosine);
             vec3 color = field_tint(values[k]);
-            sum += through * cover * lit(position, normal, -ray.direction, color);
+            sum += through * cover * lit(pixel, position, normal, -ray.direction, color);
             if (through == 1.0) {
                 geometry = vec4(normal, at);
                 albedo = vec4(color, 1.0);

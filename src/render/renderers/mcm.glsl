@@ -1,6 +1,6 @@
 /// Multiple scattering: paths of light through a medium with any number of collisions. Unbiased but for the length of paths; more
 /// samples bring less noise. Borders may scatter as surfaces do (Kroes, Post & Botha 2012, "Exposure Render").
-/// Lights are not seen by the camera itself; the environment is.
+/// Lights are not seen by the camera itself, but for `visible` rectangles; the environment is.
 #pragma apeiron needs medium
 #pragma apeiron samples environment
 #pragma apeiron integrate mean

@@ -1,15 +1,14 @@
 /// Global illumination: paths of light from the camera through any number of reflections. Unbiased but for the length of paths
 /// and the size of the smallest feature; more samples bring less noise, as their square root.
-/// Lights are not seen by the camera itself, only in reflections; the environment is. Light that is thrown from facet to facet of a
-/// rough metal is given back by a fit: a white one reflects 98.7 to 101 %. Kajiya (1986, "The Rendering Equation");
+/// Lights are not seen by the camera itself, only in reflections, but for `visible` rectangles; the environment is. Light that is
+/// thrown from facet to facet of a rough metal is given back by a fit: a white one reflects 98.7 to 101 %. Kajiya (1986, "The Rendering Equation");
 /// light is found by sampling the lights, the environment and the reflection model, weighted by the power heuristic (Veach &
 /// Guibas 1995, "Optimally Combining Sampling Techniques").
 #pragma apeiron needs surface
 #pragma apeiron samples environment
 #pragma apeiron integrate mean
 #include "render/glsl/camera.glsl"
-#include "render/glsl/environment.glsl"
-#include "render/glsl/environment_distribution.glsl"
+#include "render/glsl/light_choice.glsl"
 #include "render/glsl/brdf.glsl"
 #include "render/glsl/haze.glsl"
 
@@ -29,14 +28,6 @@ uniform float haze_base; //! 0 [-1e6, 1e6] | Height (z) at which it has haze_den
 // Diameter per length of the cone that stands for a ray from a rough surface: what it meets need not be sharper than that.
 const float cone = 0.005;
 
-// What a ray that leaves a surface must know of it to weigh the light that it meets.
-struct Origin {
-    vec3 position;
-    vec3 normal;
-    float pdf;     // of the ray's direction by the reflection model
-    float chances; // sum over all lights; 0: all were sampled
-};
-
 Haze air() { return Haze(haze_density, haze_base, haze_height); }
 
 // Reflection of a surface, or scattering in the air.
@@ -50,67 +41,6 @@ float scatter_pdf(bool drifting, float gloss, Material m, vec3 n, vec3 v, vec3 l
     return brdf_pdf(brdf, gloss, m, n, v, l);
 }
 
-float power_heuristic(float own, float other) {
-    float ratio = other / max(own, 1e-20);
-    return 1.0 / (1.0 + ratio * ratio);
-}
-
-// How much of the samples a light deserves at a surface: about the irradiance, and never 0 where there is some.
-float light_chance(int k, vec3 position, vec3 n) { // n = 0: in the air, where light is welcome from everywhere
-    if (k == light_count) return 3.0 * 3.141592654 * environment_mean();
-    LightSample light = light_at(k, position);
-    if (haze && n == vec3(0.0)) return dot(light.irradiance, vec3(1.0)) * 0.25;
-    return dot(light.irradiance, vec3(1.0)) * clamp(dot(n, light.direction) + light.spread, 0.0, 1.0);
-}
-
-// The part of the samples that were light k's.
-float light_part(int k, Origin from) {
-    return from.chances > 0.0 ? light_chance(k, from.position, from.normal) / from.chances : 1.0;
-}
-
-// Light of number k (light_count: the environment) that is reflected if nothing is in the way, by one direction.
-vec3 sampled_light(bool drifting, int k, float part, vec2 u, float gloss, vec3 position, Material m, vec3 n, vec3 v, out vec3 l, out float distance) {
-    float pdf;
-    bool sharp = false;
-    vec3 arriving;
-    if (k == light_count) {
-        l = environment_sample(u, pdf);
-        distance = 1e30;
-        arriving = environment_at(l) / pdf;
-    } else {
-        LightSample light = light_at(k, position);
-        sharp = light_sharp(light);
-        pdf = light_pdf(light);
-        light = light_sample(light, u);
-        l = light.direction;
-        distance = light.distance;
-        arriving = light.irradiance;
-    }
-    float weight = 1.0;
-    if (!sharp) {
-        if (sampling == 2) return vec3(0.0);
-        if (sampling == 0) weight = power_heuristic(part * pdf, scatter_pdf(drifting, gloss, m, n, v, l));
-    }
-    if (haze) arriving *= exp(-haze_depth(air(), position, l, distance));
-    return scatter_value(drifting, m, n, v, l) * arriving * (weight / part);
-}
-
-// Light that a ray meets by chance: lights nearer than `end`, and the environment when the ray is `open`.
-vec3 met_light(Ray ray, Origin from, float end, bool open) {
-    vec3 sum = vec3(0.0);
-    if (sampling == 1) return sum;
-    for (int i = 0; i < light_count; ++i) {
-        LightSample light = light_at(i, from.position);
-        float distance;
-        vec3 seen = light_radiance(light, ray.direction, distance);
-        if (seen == vec3(0.0) || distance >= end) continue;
-        sum += seen * (sampling == 2 ? 1.0 : power_heuristic(from.pdf, light_part(i, from) * light_pdf(light)));
-    }
-    if (!open) return sum;
-    float weight = sampling == 2 ? 1.0 : power_heuristic(from.pdf, light_part(light_count, from) * environment_pdf(ray.direction));
-    return sum + weight * environment_at(ray.direction);
-}
-
 vec3 limited(vec3 light, bool indirect) {
     float most = max(light.r, max(light.g, light.b));
     return indirect && limit > 0.0 && most > limit ? light * (limit / most) : light;
@@ -119,7 +49,7 @@ vec3 limited(vec3 light, bool indirect) {
 void kernel_main(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 albedo) {
     Ray ray = camera_sample(pixel);
     float width = ray.width;
-    Origin from = Origin(vec3(0.0), vec3(0.0), 0.0, 0.0);
+    LightOrigin from = LightOrigin(vec3(0.0), vec3(0.0), 0.0, -1.0, true);
     vec3 sum = vec3(0.0);
     vec3 through = vec3(1.0); // what is left of light that comes along the ray when it reaches the camera
     float smoothest = 0.0;
@@ -140,10 +70,17 @@ void kernel_main(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 alb
             }
         }
         if (bounce > 0) {
-            sum += limited(through * met_light(ray, from, found ? hit.t : 1e30, !found), bounce > 1);
-        } else if (!found) {
-            radiance.a = environment_transparent ? 0.0 : 1.0;
-            sum = radiance.a * environment_at(ray.direction);
+            vec3 met = light_found(sampling, from, ray.direction, found ? hit.t : 1e30);
+            if (!found) met += environment_found(sampling, from, ray.direction);
+            sum += limited(through * met, bounce > 1);
+        } else {
+            if (!found) {
+                radiance.a = environment_transparent ? 0.0 : 1.0;
+                sum = radiance.a * environment_at(ray.direction);
+            }
+            vec3 lamps = light_seen(ray.origin, ray.direction, found ? hit.t : 1e30);
+            if (lamps != vec3(0.0)) radiance.a = 1.0;
+            sum += lamps;
         }
         if (!found) break;
 
@@ -175,35 +112,24 @@ void kernel_main(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 alb
         // What the camera sees is lit by all lights; further on, each light has its chance.
         int chosen = -1;
         float part = 1.0;
-        from = Origin(hit.position, n, 0.0, 0.0);
-        if (bounce > 0) {
-            float u = random_pair(pixel, dimension + 2u).x;
-            float chance = 0.0;
-            for (int k = 0; k <= light_count; ++k) {
-                float weight = light_chance(k, hit.position, n);
-                from.chances += weight;
-                if (weight <= 0.0) continue;
-                // A reservoir of one (Chao 1982): the number is used up step by step.
-                float p = weight / from.chances;
-                if (u < p) {
-                    chosen = k;
-                    chance = weight;
-                    u /= p;
-                } else {
-                    u = (u - p) / (1.0 - p);
-                }
-            }
-            part = chance / max(from.chances, 1e-30);
-        }
+        from = LightOrigin(hit.position, n, 0.0, -1.0, true);
+        if (bounce > 0) chosen = light_choose(from, random_pair(pixel, dimension + 2u).x, part);
         int first = bounce == 0 ? 0 : (chosen < 0 ? 1 : chosen);
         int last = bounce == 0 ? light_count : (chosen < 0 ? 0 : chosen);
         uint pair = dimension + 3u;
         for (int k = first; k <= last; ++k, ++pair) {
-            vec3 l;
-            float distance;
-            vec3 light = sampled_light(drifting, k, part, random_pair(pixel, pair), gloss, hit.position, m, n, v, l, distance);
-            if (max(light.r, max(light.g, light.b)) <= 0.0 || surface_blocked(hit, drifting ? l : n, l, distance)) continue;
-            sum += limited(through * light, bounce > 0);
+            float pdf;
+            bool sharp;
+            LightSample light = light_asked(k, hit.position, random_pair(pixel, pair), pdf, sharp);
+            vec3 l = light.direction;
+            float weight = light_asked_weight(sampling, part, pdf, sharp, scatter_pdf(drifting, gloss, m, n, v, l)) / part;
+            vec3 arriving = light.irradiance * weight;
+            if (haze) arriving *= exp(-haze_depth(air(), hit.position, l, light.distance));
+            vec3 scattered = scatter_value(drifting, m, n, v, l) * arriving;
+            if (max(scattered.r, max(scattered.g, scattered.b)) <= 0.0 ||
+                surface_blocked(hit, drifting ? l : n, l, light.distance))
+                continue;
+            sum += limited(through * scattered, bounce > 0);
         }
 
         vec2 choice = random_pair(pixel, dimension + 1u);

@@ -1,6 +1,6 @@
 /// Direct light on surfaces: sphere-traced or otherwise found, lit by the scene's lights and environment.
 /// Each sample is complete by itself, so the first picture is already smooth; more samples bring anti-aliasing, and
-/// exact soft shadows and sky light where these are set to `sampled`.
+/// exact soft shadows and sky light where these are set to `sampled`. Light of rectangles is always sampled.
 #pragma apeiron needs surface
 #pragma apeiron integrate mean
 #include "render/glsl/camera.glsl"
@@ -25,13 +25,17 @@ uniform vec3 glow_color;       //! (1, 0.55, 0.2) [0, 1] color | Colour of the g
 vec3 lit(ivec2 pixel, Hit hit, Material m, vec3 n, vec3 v) {
     vec3 sum = m.emission;
     for (int i = 0; i < light_count; ++i) {
+        // Rectangles are always sampled.
+        bool sampled = shadow == 3 || light_flat(i);
+        float pdf;
+        bool sharp;
         LightSample light = light_at(i, hit.position);
-        if (shadow == 3) light = light_sample(light, random_pair(pixel, 8u + uint(i)));
+        for (int k = 0; k < int(sampled); ++k) light = light_drawn(i, hit.position, random_pair(pixel, 8u + uint(i)), pdf, sharp);
         vec3 l = light.direction;
         vec3 f = brdf_value(brdf, m, n, v, l) * light.irradiance;
         if (max(f.r, max(f.g, f.b)) <= 0.0) continue;
-        if (shadow == 2) f *= surface_visibility(hit, n, l, light.distance, light.spread);
-        if ((shadow == 1 || shadow == 3) && surface_blocked(hit, n, l, light.distance)) f = vec3(0.0);
+        if (shadow == 2 && !sampled) f *= surface_visibility(hit, n, l, light.distance, light.spread);
+        if ((shadow == 1 || (shadow != 0 && sampled)) && surface_blocked(hit, n, l, light.distance)) f = vec3(0.0);
         sum += f;
     }
     if (sky_light <= 0.0) return sum;
@@ -130,5 +134,7 @@ void kernel_main(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 alb
     } else if (!environment_transparent) {
         radiance = vec4(air(environment_at(ray.direction), ray, 1e30), 1.0);
     }
+    vec3 lamps = light_seen(ray.origin, ray.direction, found ? hit.t : 1e30);
+    if (lamps != vec3(0.0)) radiance = vec4(radiance.rgb + lamps, 1.0);
     if (glow) radiance.rgb += glow_color * (glow_strength * glow_depth(ray, found ? hit.t : 1e30));
 }
