@@ -4,8 +4,11 @@
 //     apeiron_convergence [--volume FILE] [--lamp] [--sizes 256 512 1024] [--grids 64 128 256] [--csv FILE]
 //
 // Without a file the volume is the generated cloud. A file is reduced by means of boxes of voxels to each size of grid.
-// Times are of rendering alone (generate + integrate): start, loading and compilation do not count. PSNR is that of
-// display values (sRGB, linear tone mapper, not rounded), as one sees them.
+// Times are of rendering alone (generate + integrate): start, loading and compilation do not count. References have as
+// many samples as --seconds allows, looks end at an eighth of them: what is left of the reference's noise then takes up
+// to 0.5 dB off. PSNR is told of display values (sRGB, linear tone mapper, not rounded), as one sees them, and of
+// linear radiance cut to [0, 1], as a floating-point render target holds it. Times in brackets are extrapolated from
+// the last look: error falls as the square root of the samples.
 
 #include "bench_support.hpp"
 #include "core/file.hpp"
@@ -47,9 +50,9 @@ struct Settings {
     std::vector<int> grids{64, 128, 256};
     std::vector<std::string> renderers{"mcs", "mcm"};
     std::vector<std::string> set;
-    int samples = 64;
-    int reference = 1000;
-    double seconds = 0.0;
+    int samples = 512;     ///< most of a look
+    int reference = 4000;  ///< most of a reference
+    double seconds = 20.0; ///< of rendering a reference [s]
     bool lamp = false;
     std::string csv;
     std::string dump;
@@ -58,10 +61,12 @@ struct Settings {
 /// One look at a picture that gets better.
 struct Look {
     std::int64_t samples = 0;
-    double wall = 0.0; ///< of rendering [s]
-    double cpu = 0.0;  ///< of all threads [s]
-    double psnr = 0.0; ///< [dB]
+    double wall = 0.0;    ///< of rendering [s]
+    double cpu = 0.0;     ///< of all threads [s]
+    double display = 0.0; ///< PSNR of display values [dB]
+    double linear = 0.0;  ///< PSNR of radiance cut to [0, 1] [dB]
     Image<float> picture{1, 1, 4};
+    Image<float> radiance{1, 1, 4};
 };
 
 /// The first channel with `size` voxels along its longest side, each the mean of the box of voxels that it stands for.
@@ -113,7 +118,7 @@ void renderUntil(session::Session& session, std::int64_t samples) {
     }
 }
 
-/// Times and picture of now; psnr is to be worked out.
+/// Times and pictures of now; how good they are is to be worked out.
 Look lookAt(session::Session& session) {
     Look look;
     look.samples = session.samples();
@@ -125,11 +130,29 @@ Look lookAt(session::Session& session) {
         look.cpu += 1e-3 * found->second.cpuMs;
     }
     look.picture = session.picture();
+    look.radiance = session.layers().radiance;
+    for (float& value : look.radiance.data())
+        value = std::clamp(value, 0.0F, 1.0F);
     return look;
 }
 
-/// Exponent of the error by a line through its logarithms: -0.5 for independent samples.
-double slope(const std::vector<Look>& looks) {
+/// As many samples as fit into the seconds, but not more than `most`.
+Look referenceOf(session::Session& session, double seconds, std::int64_t most) {
+    std::int64_t samples = 1;
+    renderUntil(session, samples);
+    Look look = lookAt(session);
+    while (samples < most && look.wall < seconds) {
+        const double left = seconds / look.wall * static_cast<double>(samples);
+        samples = std::min({most, 2 * samples, std::max(samples + 1, static_cast<std::int64_t>(left))});
+        renderUntil(session, samples);
+        look = lookAt(session);
+    }
+    return look;
+}
+
+/// Exponent of the error by a line through its logarithms: -0.5 for independent samples. Nothing for a single look.
+std::string slope(const std::vector<Look>& looks) {
+    if (looks.size() < 2) return "";
     double n = 0.0;
     double x = 0.0;
     double y = 0.0;
@@ -137,27 +160,36 @@ double slope(const std::vector<Look>& looks) {
     double xy = 0.0;
     for (const Look& look : looks) {
         const double u = std::log(static_cast<double>(look.samples));
-        const double v = -look.psnr / 20.0 * std::log(10.0);
+        const double v = -look.display / 20.0 * std::log(10.0);
         n += 1.0;
         x += u;
         y += v;
         xx += u * u;
         xy += u * v;
     }
-    return (n * xy - x * y) / (n * xx - x * x);
+    return fmt::format("{:.2f}", (n * xy - x * y) / (n * xx - x * x));
 }
 
-/// When a PSNR is reached, between looks along the logarithm of time [s]; nothing when it never is.
-std::string reached(const std::vector<Look>& looks, double wanted) {
+/// When a PSNR is reached, between looks along the logarithm of time [s]; in brackets where the looks end before.
+std::string reached(const std::vector<Look>& looks, double Look::*psnr, double wanted) {
     for (std::size_t i = 0; i < looks.size(); ++i) {
-        if (looks[i].psnr < wanted) continue;
-        if (i == 0) return fmt::format("under {:.2f}", looks[i].wall);
+        if (looks[i].*psnr < wanted) continue;
+        if (i == 0) return fmt::format("< {:.2f}", looks[i].wall);
         const Look& a = looks[i - 1];
         const Look& b = looks[i];
-        const double part = (wanted - a.psnr) / (b.psnr - a.psnr);
+        const double part = (wanted - a.*psnr) / (b.*psnr - a.*psnr);
         return fmt::format("{:.2f}", std::exp(std::log(a.wall) + part * (std::log(b.wall) - std::log(a.wall))));
     }
-    return "";
+    const Look& last = looks.back();
+    return fmt::format("({:.1f})", last.wall * std::pow(10.0, 0.1 * (wanted - last.*psnr)));
+}
+
+/// PSNR after 1, 4, 16, ... samples.
+std::string course(const std::vector<Look>& looks, double Look::*psnr) {
+    std::string text;
+    for (std::size_t i = 0; i < looks.size(); i += 2)
+        text += fmt::format("{}{:.1f}", text.empty() ? "" : ", ", looks[i].*psnr);
+    return text;
 }
 
 void run(const Settings& settings) {
@@ -165,11 +197,13 @@ void run(const Settings& settings) {
     volume::setVolumeLoader(io::readVolume);
     std::shared_ptr<const volume::Volume> file;
     if (!settings.volume.empty()) file = volume::loadVolume({settings.volume, {}, {}, 0});
-    std::string csv = "renderer,size,grid,samples,seconds,cpu_seconds,psnr\n";
-    fmt::print("{}, {}, reference {} samples\n\n", settings.volume.empty() ? "cloud" : settings.volume,
-               settings.lamp ? "lamp" : "white sky", settings.reference);
-    fmt::print("| renderer | picture | volume | iterations/s | CPU ms a sample | PSNR [dB] after 1, 4, 16, ... samples "
-               "| error falls as n^ | 24 dB after [s] | 30 dB | 35 dB |\n|---|---|---|---|---|---|---|---|---|---|\n");
+    std::string csv = "renderer,size,grid,reference,samples,seconds,cpu_seconds,psnr_display,psnr_linear\n";
+    fmt::print("{}, {}\n\n", settings.volume.empty() ? "cloud" : settings.volume, settings.lamp ? "lamp" : "white sky");
+    fmt::print(
+        "| renderer | picture | volume | reference, samples | iterations/s | CPU ms a sample | PSNR [dB] of display "
+        "values after 1, 4, 16, ... samples | of linear radiance | error falls as n^ | display: 24 dB after [s] | "
+        "30 dB | 35 dB | linear: 24 dB | 30 dB | 35 dB |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
+        "\n");
     for (const std::string& renderer : settings.renderers) {
         for (const int grid : settings.grids) {
             scene::Scene scene = scene::Scene::parse(session::catalogue(), "convergence", kScene);
@@ -198,37 +232,39 @@ void run(const Settings& settings) {
             for (const int size : settings.sizes) {
                 scene.set("output.width", std::to_string(size));
                 scene.set("output.height", std::to_string(size));
-                scene.set("output.seed", std::string_view("0"));
-                std::vector<Look> looks;
+                scene.set("output.seed", std::string_view("1"));
+                Look reference;
                 {
                     session::Session session(*context, scene);
-                    for (std::int64_t n = 1; n <= settings.samples; n *= 2) {
-                        renderUntil(session, n);
-                        looks.push_back(lookAt(session));
-                        if (settings.seconds > 0.0 && looks.back().wall > settings.seconds) break;
-                    }
+                    reference = referenceOf(session, settings.seconds, settings.reference);
                 }
-                scene.set("output.seed", std::string_view("1"));
+                scene.set("output.seed", std::string_view("0"));
+                std::vector<Look> looks;
                 session::Session session(*context, scene);
-                renderUntil(session, settings.reference);
-                const Image<float> reference = session.picture();
-                std::string course;
-                for (Look& look : looks) {
-                    look.psnr = psnr(look.picture, reference);
-                    if (static_cast<int>(std::log2(look.samples)) % 2 == 0)
-                        course += fmt::format("{}{:.1f}", course.empty() ? "" : ", ", look.psnr);
-                    csv += fmt::format("{},{},{},{},{:.4f},{:.4f},{:.3f}\n", renderer, size, grid, look.samples,
-                                       look.wall, look.cpu, look.psnr);
+                const std::int64_t most = std::clamp<std::int64_t>(reference.samples / 8, 1, settings.samples);
+                for (std::int64_t n = 1; n <= most; n *= 2) {
+                    renderUntil(session, n);
+                    Look look = lookAt(session);
+                    look.display = psnr(look.picture, reference.picture);
+                    look.linear = psnr(look.radiance, reference.radiance);
+                    csv += fmt::format("{},{},{},{},{},{:.4f},{:.4f},{:.3f},{:.3f}\n", renderer, size, grid,
+                                       reference.samples, look.samples, look.wall, look.cpu, look.display, look.linear);
+                    looks.push_back(std::move(look));
                 }
-                const Look& last = looks.back();
-                const auto count = static_cast<double>(last.samples);
-                fmt::print("| {} | {}² | {}³ | {:.2f} | {:.0f} | {} | {:.2f} | {} | {} | {} |\n", renderer, size, grid,
-                           count / last.wall, 1e3 * last.cpu / count, course, slope(looks), reached(looks, 24.0),
-                           reached(looks, 30.0), reached(looks, 35.0));
+                // The reference's time says most of how fast samples are.
+                const auto count = static_cast<double>(reference.samples);
+                fmt::print("| {} | {}² | {}³ | {} | {:.2f} | {:.0f} | {} | {} | {}", renderer, size, grid,
+                           reference.samples, count / reference.wall, 1e3 * reference.cpu / count,
+                           course(looks, &Look::display), course(looks, &Look::linear), slope(looks));
+                for (const auto measure : {&Look::display, &Look::linear}) {
+                    for (const double wanted : {24.0, 30.0, 35.0})
+                        fmt::print(" | {}", reached(looks, measure, wanted));
+                }
+                fmt::print(" |\n");
                 std::fflush(stdout);
                 if (!settings.dump.empty()) {
                     const std::string base = fmt::format("{}/{}_{}_{}", settings.dump, renderer, size, grid);
-                    io::writeImage(base + "_reference.png", reference, 8, {});
+                    io::writeImage(base + "_reference.png", reference.picture, 8, {});
                     for (const Look& look : looks)
                         io::writeImage(fmt::format("{}_{}.png", base, look.samples), look.picture, 8, {});
                 }
@@ -247,9 +283,9 @@ int main(int argc, char** argv) {
     app.add_option("--sizes", settings.sizes, "Of pictures [px]");
     app.add_option("--grids", settings.grids, "Voxels along the longest side");
     app.add_option("--renderers", settings.renderers);
-    app.add_option("--samples", settings.samples, "Looks at 1, 2, 4, ... up to this");
-    app.add_option("--seconds", settings.seconds, "No more looks after this much rendering [s]; 0: all");
-    app.add_option("--reference", settings.reference, "Samples of the reference");
+    app.add_option("--samples", settings.samples, "Looks at 1, 2, 4, ... up to this, and an eighth of the reference");
+    app.add_option("--seconds", settings.seconds, "Rendering of a reference, about [s]");
+    app.add_option("--reference", settings.reference, "Most samples of a reference");
     app.add_option("--set", settings.set, "PATH=VALUE of the scene");
     app.add_flag("--lamp", settings.lamp, "A small bright lamp in the dark instead of a white sky");
     app.add_option("--csv", settings.csv, "All looks, for bench/plot_convergence.py");
