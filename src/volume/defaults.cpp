@@ -83,8 +83,9 @@ Json point(double value, const char* color, double opacity) {
 Json glowing(const char* dark, const char* middle, const char* bright, double most) {
     Json points = Json::array({point(0.0, dark, 0.0), point(0.2, dark, 0.03 * most), point(0.6, middle, 0.4 * most),
                                point(1.0, bright, most)});
-    points[2]["emission"] = 0.25;
-    points[3]["emission"] = 0.6;
+    points[1]["emission"] = 0.2;
+    points[2]["emission"] = 0.9;
+    points[3]["emission"] = 1.8;
     return {{"window", "data"}, {"points", points}};
 }
 
@@ -96,14 +97,14 @@ Json microscopyTransfer(const Volume& volume) {
     };
     static const std::vector<Stain> kStains{
         {{"bright", "transmitted", "phase", "dic"}, {{"points", Json::array({point(0.0, "#ffffff", 0.0)})}}},
-        {{"dna", "dapi", "hoechst", "nucle"}, glowing("#16307a", "#4a7dff", "#c4d8ff", 1.0)},
-        {{"memb", "wga", "cellmask", "lipid"}, glowing("#6a1f5c", "#d85fb8", "#ffd0f2", 0.03)},
-        {{"struct", "gfp", "tubul", "actin"}, glowing("#12603a", "#3fd58a", "#c8ffe2", 0.05)},
-        {{"mito", "tomm", "rfp", "cherry"}, glowing("#7a3a12", "#f59a3c", "#ffe3b8", 1.0)},
+        {{"dna", "dapi", "hoechst", "nucle"}, glowing("#16307a", "#4a7dff", "#8fb4ff", 1.0)},
+        {{"memb", "wga", "cellmask", "lipid"}, glowing("#6a1f5c", "#d85fb8", "#ff8fdc", 0.03)},
+        {{"struct", "gfp", "tubul", "actin"}, glowing("#12603a", "#3fd58a", "#7dffb4", 0.05)},
+        {{"mito", "tomm", "rfp", "cherry"}, glowing("#7a3a12", "#f59a3c", "#ffc46a", 1.0)},
     };
     static const std::vector<Json> kOthers{
-        glowing("#12603a", "#3fd58a", "#c8ffe2", 0.3), glowing("#6a1f5c", "#e05fc0", "#ffd0f2", 0.3),
-        glowing("#7a5a12", "#f5c03c", "#fff0c0", 0.3), glowing("#16307a", "#4a7dff", "#c4d8ff", 0.3)};
+        glowing("#12603a", "#3fd58a", "#7dffb4", 0.3), glowing("#6a1f5c", "#e05fc0", "#ff8fdc", 0.3),
+        glowing("#7a5a12", "#f5c03c", "#ffe070", 0.3), glowing("#16307a", "#4a7dff", "#8fb4ff", 0.3)};
     Json transfer = Json::array();
     for (std::size_t channel = 0; channel < static_cast<std::size_t>(volume.channels); ++channel) {
         const std::string name = channel < volume.channelNames.size() ? lower(volume.channelNames[channel]) : "";

@@ -89,7 +89,8 @@ Volume makeVolume(glm::ivec3 size, VoxelType type, int channels = 1, int timePoi
 /// The value as measured (slope and intercept applied) at a voxel. @pre inside the volume
 double valueAt(const Volume& volume, glm::ivec3 voxel, int channel = 0, int time = 0);
 
-/// Puts the centre of the grid at the world's origin, axes along the world's, voxels `spacing` [mm] apart.
+/// Puts the centre of the grid at the world's origin, axes along the world's, voxels `spacing` [mm] apart;
+/// against an axis where that is negative.
 void centre(Volume& volume, glm::dvec3 spacing);
 
 } // namespace apeiron::volume

@@ -162,7 +162,8 @@ void setSpacing(Volume& volume, PageOrder order, const ImageSpec& spec) {
         for (int axis = 0; axis < 3; ++axis)
             if (spacing[axis] <= 0) spacing[axis] = least;
     }
-    volume::centre(volume, spacing);
+    // Rows go down and slices away from who looks: turned about x, writing in the picture can be read from above.
+    volume::centre(volume, spacing * glm::dvec3(1.0, -1.0, -1.0));
 }
 
 } // namespace
