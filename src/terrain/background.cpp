@@ -39,8 +39,8 @@ constexpr double kWorthwhile = 0.08;
 /// It is to be complete after this part of the pictures that it will do for.
 constexpr double kHurry = 0.4;
 /// Tiles drawn into it in a picture.
-constexpr double kFewest = 6.0;
-constexpr double kMost = 48.0;
+constexpr double kFewestTiles = 6.0;
+constexpr double kMostTiles = 48.0;
 
 /// Of the tiles that there is room for, those in a cube.
 constexpr double kRoom = 0.4;
@@ -119,7 +119,8 @@ Background::Plan Background::plan(const SelectionView& view, int side, double ro
         const double reach = view.ratio * std::ldexp(1.0, up) / side;
         const double pictures = std::min(reach / std::max(speed_, 1e-12), 1e6);
         const double drawn = perTile_ * saved;
-        const double each = std::clamp(std::ceil(drawn / (kHurry * std::min(pictures, kLongest))), kFewest, kMost);
+        const double each =
+            std::clamp(std::ceil(drawn / (kHurry * std::min(pictures, kLongest))), kFewestTiles, kMostTiles);
         const double makes = drawn / each;
         if (makes > kHurry * pictures || drawn > kRoom * room) continue;
         // The next one is begun so that it is complete when this one has had its time.

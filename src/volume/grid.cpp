@@ -216,7 +216,7 @@ void encodeTexels(const TexelForm& form, std::span<const float> values, std::spa
     for (std::size_t i = 0; i < values.size(); ++i) {
         std::byte* to = &texels[i * bytes];
         if (bytes == 1) {
-            *to = static_cast<std::byte>(static_cast<int>(values[i] - offset + 0.5F));
+            *to = static_cast<std::byte>(std::lround(values[i] - offset));
         } else if (bytes == 2) {
             const Half half = toHalf(values[i]);
             std::memcpy(to, &half.bits, sizeof half.bits);
