@@ -14,6 +14,7 @@
 #include "core/file.hpp"
 #include "io/image_file.hpp"
 #include "io/volume_file.hpp"
+#include "scene/camera.hpp"
 #include "session/session.hpp"
 #include "volume/source.hpp"
 #include "volume/voxels.hpp"
@@ -110,6 +111,19 @@ volume::Volume reduced(const volume::Volume& from, int size) {
         std::memcpy(to.voxels.data(), means.data(), to.voxels.size());
     }
     return to;
+}
+
+/// The whole box of the volume in a square picture, however much of it is empty.
+void lookAtBox(scene::Scene& scene, const volume::Volume& volume) {
+    const glm::dvec3 size(volume.size);
+    const auto world = [&](const glm::dvec3& index) { return glm::dvec3(volume.indexToWorld * glm::dvec4(index, 1.0)); };
+    const glm::dvec3 middle = world(0.5 * size - 0.5);
+    std::vector<glm::dvec3> corners;
+    for (int i = 0; i < 8; ++i)
+        corners.push_back(world(size * glm::dvec3(i & 1, (i >> 1) & 1, i >> 2) - 0.5) - middle);
+    scene::Camera camera(scene.camera);
+    camera.frame(middle, corners, 1.0, {0.38, -1.0, 0.22});
+    scene.camera = camera.node();
 }
 
 void renderUntil(session::Session& session, std::int64_t samples) {
@@ -214,7 +228,9 @@ void run(const Settings& settings) {
             scene.set("renderer.type", std::string_view(renderer));
             if (renderer == "mcm") scene.set("renderer.bounces", std::string_view("8"));
             if (file) {
-                volume::provideVolume("reduced", std::make_shared<const volume::Volume>(reduced(*file, grid)));
+                const auto volume = std::make_shared<const volume::Volume>(reduced(*file, grid));
+                lookAtBox(scene, *volume);
+                volume::provideVolume("reduced", volume);
                 scene.set("subject.source", std::string_view("reduced"));
                 if (file->type == volume::VoxelType::UInt8) { // opacity is the byte
                     Json transfer = scene.subject.get<parameter::Structure>("transfer").json;

@@ -12,6 +12,7 @@ uniform float emission;   //! 0 [0, 1000] log | Radiance that a thick layer give
 uniform float surfaces;   //! 0 [0, 100] log | How soon borders scatter as surfaces do instead of as haze (by their gradient); 0: never
 
 uniform sampler3D volume_bricks;   // largest opacity in each brick; -n: nothing in the n bricks around it, itself included
+uniform sampler3D volume_ranges;   // lowest and highest value in each brick, as places in the transfer function
 uniform sampler2D volume_transfer; // colour and opacity: value along x, one block of rows for each channel
 uniform mat3 volume_to_grid;       // from world to grid
 uniform vec3 volume_camera;        // grid coordinates of the camera
@@ -118,15 +119,17 @@ vec3 volume_emission(vec3 place, vec4 seen) {
     return sum + emission * seen.rgb;
 }
 
-// Cuts the ray to the grid's box; false when it misses.
-bool volume_enter(inout Ray ray, out MediumRay path) {
-    path.origin = volume_place(ray.origin);
-    path.direction = volume_to_grid * ray.direction;
+MediumRay volume_path(Ray ray) {
+    vec3 d = volume_to_grid * ray.direction;
     // Directions along an axis: a tiny one instead of 0, whose inverse is a number.
-    vec3 d = path.direction;
     float least = 1e-9 * max(abs(d.x), max(abs(d.y), abs(d.z)));
     d = mix(d, vec3(least), lessThan(abs(d), vec3(least)));
-    path.inverse = 1.0 / d;
+    return MediumRay(volume_place(ray.origin), d, 1.0 / d);
+}
+
+// Cuts the ray to the grid's box; false when it misses.
+bool volume_enter(inout Ray ray, out MediumRay path) {
+    path = volume_path(ray);
     vec3 a = -path.origin * path.inverse;
     vec3 b = (volume_size - path.origin) * path.inverse;
     vec3 near = min(a, b);
@@ -148,18 +151,23 @@ bool field_clip(inout Ray ray) {
 // the next border follows from the place). `volume_nudge` takes a place on a border to its far side.
 const float volume_nudge = 2e-3;
 
-void volume_segment(sampler3D bricks, MediumRay path, float t, out float t_end, out float most) {
-    vec3 s = sign(path.inverse);
-    vec3 place = (path.origin + t * path.direction + volume_nudge * s) * (1.0 / volume_brick);
-    ivec3 last = textureSize(bricks, 0) - 1;
-    vec3 brick = clamp(floor(place), vec3(0.0), vec3(last));
-    most = texelFetch(bricks, ivec3(brick), 0).x;
-    float reach = max(-most, 1.0) - 1.0;
-    vec3 border = (brick + 0.5 + s * (0.5 + reach)) * volume_brick;
+vec3 volume_brick_at(MediumRay path, float t) {
+    vec3 place = (path.origin + t * path.direction + volume_nudge * sign(path.inverse)) * (1.0 / volume_brick);
+    return clamp(floor(place), vec3(0.0), vec3(textureSize(volume_bricks, 0) - 1));
+}
+
+// Where the path leaves the bricks of which the outermost are `reach` away from this one.
+float volume_brick_end(MediumRay path, float t, vec3 brick, float reach) {
+    vec3 border = (brick + 0.5 + sign(path.inverse) * (0.5 + reach)) * volume_brick;
     vec3 ends = (border - path.origin) * path.inverse;
-    t_end = max(min(ends.x, min(ends.y, ends.z)), t);
     // Always on: where rounding leaves no way to the border, by a part of a voxel.
-    t_end = max(t_end, t + 0.25 * volume_nudge * volume_spacing);
+    return max(min(ends.x, min(ends.y, ends.z)), t + 0.25 * volume_nudge * volume_spacing);
+}
+
+void volume_segment(sampler3D bricks, MediumRay path, float t, out float t_end, out float most) {
+    vec3 brick = volume_brick_at(path, t);
+    most = texelFetch(bricks, ivec3(brick), 0).x;
+    t_end = volume_brick_end(path, t, brick, max(-most, 1.0) - 1.0);
 }
 
 void medium_segment(MediumRay path, float t, out float t_end, out float majorant) {
@@ -199,11 +207,16 @@ vec4 field_bounds() {
 float field_spacing() { return volume_spacing; }
 
 bool field_segment(Ray ray, float t, out float t_end) {
-    vec3 d = volume_to_grid * ray.direction;
-    vec3 inverse = 1.0 / mix(d, vec3(1e-12), lessThan(abs(d), vec3(1e-12)));
-    float majorant;
-    medium_segment(MediumRay(volume_place(ray.origin), d, inverse), t, t_end, majorant);
-    return majorant > 0.0;
+    float most;
+    volume_segment(volume_bricks, volume_path(ray), t, t_end, most);
+    return most > 0.0;
+}
+
+vec2 field_range(Ray ray, float t, out float t_end) {
+    MediumRay path = volume_path(ray);
+    vec3 brick = volume_brick_at(path, t);
+    t_end = volume_brick_end(path, t, brick, 0.0);
+    return texelFetch(volume_ranges, ivec3(brick), 0).xy;
 }
 
 float field_value(vec3 position) { return clamp(volume_largest(volume_values(volume_place(position))), 0.0, 1.0); }

@@ -302,12 +302,32 @@ struct Transfer {
     std::size_t width = 0;        ///< ... of so many entries
     std::vector<float> seen;      ///< majorants() of all voxels
     gpu::Texture3D bricks;        ///< of what is shown
+    gpu::Texture3D ranges;        ///< likewise: lowest and highest place in the transfer function
     render::Bounds bounds;        ///< of what is seen
 };
 
 gpu::Texture3D brickTexture(const gpu::Context& context, const BrickRanges& ranges, const std::vector<float>& values) {
     gpu::Texture3D texture(context, gpu::GridFormat::R32F, ranges.size, "bricks");
     texture.upload(std::as_bytes(std::span(values)), 0, ranges.size.z);
+    return texture;
+}
+
+/// What the lowest and highest values of bricks are in the transfer function; of channels, those of the one that is shown
+/// by renderers of values: the largest.
+gpu::Texture3D rangeTexture(const gpu::Context& context, const BrickRanges& ranges, std::span<const glm::dvec2> lookup) {
+    const std::size_t bricks = voxelsIn(ranges.size);
+    std::vector<glm::vec2> places(bricks, glm::vec2(0.0F));
+    for (std::size_t channel = 0; channel < lookup.size(); ++channel) {
+        for (std::size_t i = 0; i < bricks; ++i) {
+            const glm::dvec2 range(ranges.ranges[channel * bricks + i]);
+            const glm::dvec2 ends = lookup[channel].x * range + lookup[channel].y;
+            // With some room for single precision.
+            const glm::dvec2 place(std::min(ends.x, ends.y) - 1e-5, std::max(ends.x, ends.y) + 1e-5);
+            places[i] = glm::max(places[i], glm::vec2(glm::clamp(place, 0.0, 1.0)));
+        }
+    }
+    gpu::Texture3D texture(context, gpu::GridFormat::RG32F, ranges.size, "ranges of bricks");
+    texture.upload(std::as_bytes(std::span(places)), 0, ranges.size.z);
     return texture;
 }
 
@@ -341,6 +361,7 @@ Transfer makeTransfer(const gpu::Context& context, const Grid& grid, const Json&
     if (transfer.glows) transfer.glow.upload(glow);
     transfer.seen = majorants(grid.ranges, opacities, width, transfer.lookup);
     transfer.bricks = brickTexture(context, grid.ranges, transfer.seen);
+    transfer.ranges = rangeTexture(context, grid.ranges, transfer.lookup);
     transfer.bounds = boundsOf(grid, transfer.seen);
     return transfer;
 }
@@ -507,6 +528,7 @@ class VolumeSubject : public render::Subject {
             kernel.set("volume_data", grid.texture);
         }
         kernel.set("volume_bricks", transfer_.bricks);
+        kernel.set("volume_ranges", transfer_.ranges);
         kernel.set("volume_transfer", transfer_.table);
         kernel.set("volume_rows", transfer_.rows);
         kernel.set("volume_glows", transfer_.glows);
@@ -576,6 +598,8 @@ class VolumeSubject : public render::Subject {
         const BrickRanges visible = grid_->stream->shownRanges(transfer_.seen);
         transfer_.bricks =
             brickTexture(*context_, visible, majorants(visible, transfer_.opacities, transfer_.width, lookup));
+        const std::vector<float> all(transfer_.seen.size(), 1.0F);
+        transfer_.ranges = rangeTexture(*context_, grid_->stream->shownRanges(all), lookup);
         const BrickRanges crossed = grid_->stream->shownRanges(iso_.seen);
         iso_.bricks = brickTexture(*context_, crossed, crossings(crossed, iso_.place, lookup));
     }

@@ -101,6 +101,33 @@ TEST(VolumeBricks, give_the_picture_of_the_whole_volume_where_all_that_is_seen_f
     }
 }
 
+TEST(VolumeBricks, that_are_stepped_over_change_no_picture) {
+    // One brick holds all of the volume: every place is looked at. Waves reach the borders, where surfaces close, and a
+    // hole in the middle is cut open.
+    provide("hole", 30, [](glm::dvec3 p, int) {
+        const double wave = 0.1 * std::sin(0.9 * p.x) * std::cos(0.7 * p.y + 0.4 * p.z);
+        return std::clamp(0.08 * (glm::length(p) - 2.0) + wave, 0.0, 1.0);
+    });
+    for (const char* renderer : {"eam", "lao", "mip", "iso", "depth"}) {
+        scene::Scene scene = volumeScene("hole", 34.0, {48, 48});
+        scene.set("subject.transfer", Json::parse(R"({"window": "none", "space": "linear", "points": [
+            {"value": 0.5, "color": [1, 0.5, 0.2], "opacity": 0}, {"value": 1, "color": [0.3, 0.8, 1], "opacity": 1}]})"));
+        setAll(scene, {{"environment.color", "1,1,1"}, {"output.samples", "2"}, {"subject.density", "3"}});
+        setAll(scene, {{"subject.clip_low", "-100,-4,-100"}, {"subject.clip", "true"}});
+        scene.set("renderer.type", std::string_view(renderer));
+        if (std::string_view(renderer) == "mip") scene.set("renderer.low", std::string_view("0.2"));
+        scene.set("subject.brick", std::string_view("32"));
+        const Image<float> everything = rendered(scene)->layers().radiance;
+        scene.set("subject.brick", std::string_view("4"));
+        const Image<float> leaping = rendered(scene)->layers().radiance;
+        ASSERT_TRUE(allFinite(leaping)) << renderer;
+        const auto [least, most] = std::minmax_element(everything.data().begin(), everything.data().end());
+        EXPECT_GT(*most - *least, 0.1F) << renderer << ": there was nothing to compare";
+        // Places that are looked at are the same but for the rounding of a sum.
+        EXPECT_LT(largestDifference(everything, leaping), 2e-3) << renderer;
+    }
+}
+
 TEST(VolumeBricks, do_not_change_the_mean_of_paths_of_light) {
     provideCorner();
     const scene::Scene scene = sceneFor("corner", "mcm", "64");

@@ -16,6 +16,9 @@ float field_spacing();
 // Whether there may be something to be seen from t on up to `t_end`.
 bool field_segment(Ray ray, float t, out float t_end);
 
+// The lowest and the highest value that there may be from t on up to `t_end`.
+vec2 field_range(Ray ray, float t, out float t_end);
+
 // The field where it is strongest of all channels, 0..1 over the range that is shown.
 float field_value(vec3 position);
 

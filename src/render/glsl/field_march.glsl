@@ -125,14 +125,11 @@ void field_march(FieldLook look, ivec2 pixel, out vec4 radiance, out vec4 geomet
             choice.y = drawn ? choice.y / max(chance, 1e-20) : (choice.y - chance) / max(1.0 - chance, 1e-20);
             one = chosen ? seen : one;
             t_one = chosen ? t : t_one;
-            colors += part * seen.rgb;
-            depth += part * t;
         }
-        for (int k = 0; k < int(!look.one && part > 1e-4); ++k) {
+        for (int k = 0; k < int(!look.one && part > 1e-4); ++k)
             sum += part * (field_lit(look, pixel, uint(i), position, seen.rgb, -ray.direction) + field_emission(position, seen));
-            colors += part * seen.rgb;
-            depth += part * t;
-        }
+        colors += part * seen.rgb;
+        depth += part * t;
         through -= part;
         t += stride;
     }
