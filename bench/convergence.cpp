@@ -41,9 +41,9 @@ constexpr const char* kScene = R"({
     "post": {"tonemapper": "linear"}
 })";
 
-/// Small and bright in the dark: 4 degrees wide.
+/// Small and bright in the dark: 4 degrees wide, and white paper that faces it is just as bright as displays can show.
 constexpr const char* kLamp =
-    R"([{"type": "sun", "elevation": 50, "azimuth": 240, "color": [1, 1, 1], "intensity": 12, "size": 4}])";
+    R"([{"type": "sun", "elevation": 50, "azimuth": 240, "color": [1, 1, 1], "intensity": 3.14159265, "size": 4}])";
 
 struct Settings {
     std::string volume;
@@ -116,7 +116,9 @@ volume::Volume reduced(const volume::Volume& from, int size) {
 /// The whole box of the volume in a square picture, however much of it is empty.
 void lookAtBox(scene::Scene& scene, const volume::Volume& volume) {
     const glm::dvec3 size(volume.size);
-    const auto world = [&](const glm::dvec3& index) { return glm::dvec3(volume.indexToWorld * glm::dvec4(index, 1.0)); };
+    const auto world = [&](const glm::dvec3& index) {
+        return glm::dvec3(volume.indexToWorld * glm::dvec4(index, 1.0));
+    };
     const glm::dvec3 middle = world(0.5 * size - 0.5);
     std::vector<glm::dvec3> corners;
     for (int i = 0; i < 8; ++i)

@@ -312,9 +312,10 @@ gpu::Texture3D brickTexture(const gpu::Context& context, const BrickRanges& rang
     return texture;
 }
 
-/// What the lowest and highest values of bricks are in the transfer function; of channels, those of the one that is shown
-/// by renderers of values: the largest.
-gpu::Texture3D rangeTexture(const gpu::Context& context, const BrickRanges& ranges, std::span<const glm::dvec2> lookup) {
+/// What the lowest and highest values of bricks are in the transfer function; of channels, those of the one that is
+/// shown by renderers of values: the largest.
+gpu::Texture3D rangeTexture(const gpu::Context& context, const BrickRanges& ranges,
+                            std::span<const glm::dvec2> lookup) {
     const std::size_t bricks = voxelsIn(ranges.size);
     std::vector<glm::vec2> places(bricks, glm::vec2(0.0F));
     for (std::size_t channel = 0; channel < lookup.size(); ++channel) {

@@ -26,7 +26,7 @@ scene::Scene noisy() {
 
 /// The reference: everything at once.
 const Image<float>& reference() {
-    static const Image<float> picture = rendered(noisy())->picture();
+    static const Image<float> picture = rendered(noisy(), {})->picture();
     return picture;
 }
 
@@ -74,20 +74,20 @@ TEST(Picture, is_the_same_after_a_journey_through_other_scenes) {
 TEST(Picture, depends_on_the_seed) {
     scene::Scene scene = noisy();
     setAll(scene, {{"output.seed", "1"}});
-    const Image<float> other = rendered(scene)->picture();
+    const Image<float> other = rendered(scene, {})->picture();
     std::size_t different = 0;
     for (std::size_t i = 0; i < other.data().size(); ++i)
         different += other.data()[i] != reference().data()[i];
     EXPECT_GT(different, other.data().size() / 4) << "only alpha and saturated pixels may be equal";
     setAll(scene, {{"output.seed", "0"}});
-    EXPECT_TRUE(identical(rendered(scene)->picture(), reference()));
+    EXPECT_TRUE(identical(rendered(scene, {})->picture(), reference()));
 }
 
 render::Accumulation samples(int first, int count) {
     scene::Scene scene = noisy();
     scene.output.set("first_sample", std::int64_t{first});
     scene.output.set("samples", std::int64_t{count});
-    return rendered(scene)->accumulation();
+    return rendered(scene, {})->accumulation();
 }
 
 /// The largest difference relative to the values' own size, in units of float's last place (2^-23).

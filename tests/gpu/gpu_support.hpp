@@ -37,7 +37,8 @@ void setAll(scene::Scene& scene, std::initializer_list<std::pair<const char*, co
 void finish(session::Session& session);
 
 /// A session of that scene, worked until output.samples are there.
-std::unique_ptr<session::Session> rendered(const scene::Scene& scene, const session::Options& options = {});
+std::unique_ptr<session::Session> rendered(const scene::Scene& scene,
+                                           const session::Options& options = {.specialise = false});
 
 /// Runs a kernel of `outputs` RGBA32F outputs over a picture of that size and reads them.
 std::vector<Image<float>> runKernel(const gpu::ShaderSource& source, gpu::Stage stage, glm::ivec2 size,

@@ -200,7 +200,7 @@ TEST(Session, takes_another_size) {
         EXPECT_TRUE(allFinite(picture));
         EXPECT_EQ(session.layers().radiance.width(), size.x);
     }
-    EXPECT_TRUE(identical(session.picture(), rendered(litSphere())->picture()));
+    EXPECT_TRUE(identical(session.picture(), rendered(litSphere(), {})->picture()));
 }
 
 double compileMs(const Session& session) {
@@ -266,7 +266,7 @@ TEST(Session, interleaving_shows_a_whole_coarse_picture_first) {
     const Image<float> radiance = session.layers().radiance;
     scene::Scene one = scene;
     setAll(one, {{"output.samples", "1"}});
-    const Image<float> first = rendered(one)->layers().radiance;
+    const Image<float> first = rendered(one, {})->layers().radiance;
     for (int y = 0; y < 45; ++y) {
         for (int x = 0; x < 61; ++x) {
             const float* here = radiance.at(x, y);
@@ -277,7 +277,7 @@ TEST(Session, interleaving_shows_a_whole_coarse_picture_first) {
     }
     // It gets finer, and ends as what it is without interleaving.
     finish(session);
-    EXPECT_TRUE(identical(session.picture(), rendered(scene)->picture()));
+    EXPECT_TRUE(identical(session.picture(), rendered(scene, {})->picture()));
 }
 
 TEST(Session, an_edit_shows_the_old_picture_until_there_is_a_coarse_one_of_the_new) {
@@ -314,7 +314,7 @@ TEST(Session, an_edit_shows_the_old_picture_until_there_is_a_coarse_one_of_the_n
         editAndLook("environment.color", "0.4,0.5,0.6");
         finish(session);
         setAll(scene, {{"lights.0.intensity", "1"}, {"environment.color", "0.4,0.5,0.6"}});
-        EXPECT_TRUE(identical(session.layers().radiance, rendered(scene)->layers().radiance))
+        EXPECT_TRUE(identical(session.layers().radiance, rendered(scene, {})->layers().radiance))
             << "something of the old is left";
         setAll(scene, {{"lights.0.intensity", "2"}, {"environment.color", "1,1,1"}});
     }

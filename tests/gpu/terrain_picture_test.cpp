@@ -183,7 +183,7 @@ TEST(TerrainPicture, a_turn_makes_few_tiles_at_once_and_ends_in_the_same_picture
         before = counterOf(session, "tiles generated");
     }
     EXPECT_EQ(counterOf(session, "tiles missing"), 0.0);
-    EXPECT_TRUE(identical(session.picture(), rendered(session.scene())->picture()));
+    EXPECT_TRUE(identical(session.picture(), rendered(session.scene(), {})->picture()));
 }
 
 TEST(TerrainPicture, no_picture_of_a_flight_makes_more_than_24_tiles_with_a_full_cache_either) {
@@ -383,7 +383,7 @@ TEST_P(TerrainBackground, shows_a_moving_camera_what_tiles_would_show_and_nothin
             EXPECT_TRUE(identical(moving, exact));
         }
         if (i == 11) {
-            EXPECT_TRUE(identical(exact, rendered(session.scene())->picture()));
+            EXPECT_TRUE(identical(exact, rendered(session.scene(), {})->picture()));
         }
         // On, sideways and a little around: until it is used up.
         scene::Camera camera = session.camera();

@@ -51,6 +51,7 @@ scene::Scene sceneFor(const char* source, const char* renderer, const char* samp
 
 session::Options patient() {
     session::Options options;
+    options.specialise = false;
     options.wholeData = true;
     return options;
 }
