@@ -14,7 +14,6 @@
 #include "core/file.hpp"
 #include "io/image_file.hpp"
 #include "io/volume_file.hpp"
-#include "scene/camera.hpp"
 #include "session/session.hpp"
 #include "volume/source.hpp"
 #include "volume/voxels.hpp"
@@ -113,19 +112,19 @@ volume::Volume reduced(const volume::Volume& from, int size) {
     return to;
 }
 
-/// The whole box of the volume in a square picture, however much of it is empty.
+/// The whole box of the volume, however much of it is empty, from 2.2 times its longest side away (as
+/// bench/web_convergence.ts).
 void lookAtBox(scene::Scene& scene, const volume::Volume& volume) {
     const glm::dvec3 size(volume.size);
-    const auto world = [&](const glm::dvec3& index) {
-        return glm::dvec3(volume.indexToWorld * glm::dvec4(index, 1.0));
-    };
-    const glm::dvec3 middle = world(0.5 * size - 0.5);
-    std::vector<glm::dvec3> corners;
-    for (int i = 0; i < 8; ++i)
-        corners.push_back(world(size * glm::dvec3(i & 1, (i >> 1) & 1, i >> 2) - 0.5) - middle);
-    scene::Camera camera(scene.camera);
-    camera.frame(middle, corners, 1.0, {0.38, -1.0, 0.22});
-    scene.camera = camera.node();
+    const glm::dvec3 middle(volume.indexToWorld * glm::dvec4(0.5 * size - 0.5, 1.0));
+    double longest = 0.0;
+    for (int i = 0; i < 3; ++i)
+        longest = std::max(longest, size[i] * glm::length(glm::dvec3(volume.indexToWorld[i])));
+    const glm::dvec3 position = middle + 2.2 * longest * glm::normalize(glm::dvec3(0.38, -1.0, 0.22));
+    const auto text = [](const glm::dvec3& v) { return fmt::format("{},{},{}", v.x, v.y, v.z); };
+    scene.set("camera.position", std::string_view(text(position)));
+    scene.set("camera.target", std::string_view(text(middle)));
+    scene.set("camera.fov", std::string_view("40"));
 }
 
 void renderUntil(session::Session& session, std::int64_t samples) {
