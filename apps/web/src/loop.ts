@@ -30,6 +30,8 @@ const kSettle = 160;
 const kFrame = 15;
 const kSlowFrame = 30;
 const kLeastBudget = 10;
+/** Work while moving takes at least this part of what showing does: frames that bring next to nothing new only smear the old picture. */
+const kMovingWork = 0.5;
 /** At rest, steps grow from the first to the last [ms]. */
 const kFirstRest = 16;
 const kLongestRest = 100;
@@ -281,7 +283,7 @@ export class Loop {
     private budget(moving: boolean): number {
         if (moving) {
             this.restBudget = kFirstRest;
-            return Math.max((this.fast ? kFrame : kSlowFrame) - this.showMs, kLeastBudget);
+            return Math.max((this.fast ? kFrame : kSlowFrame) - this.showMs, kLeastBudget, Math.min(kMovingWork * this.showMs, kLongestRest));
         }
         const budget = Math.max(this.restBudget, kWorkPerShow * this.showMs);
         this.restBudget *= kRestGrowth;

@@ -4,7 +4,7 @@ import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { atRest, difference, hasNative, native, pixels, renderNatively, Rig, root } from './rig';
 
-const kTime = 120_000;
+const kTime = 240_000;
 const kSize = { width: 96, height: 54 };
 const kSamples = 2;
 const scenes = readdirSync(`${root}/scenes`).map((file) => file.replace(/\.json$/, ''));

@@ -19,6 +19,8 @@ declare global {
 
 export const root = fileURLToPath(new URL('../../../..', import.meta.url));
 const dist = join(root, 'apps/web/dist');
+/** Nothing that a test waits for takes longer [ms]: machines that do other work as well take three times as long and more. */
+const kPatience = 100_000;
 /** The page must work from any folder of a server. */
 const kFolder = '/some/folder/';
 
@@ -81,6 +83,7 @@ export class Rig {
                 '--disable-sync',
             ],
         });
+        context.setDefaultTimeout(kPatience);
         return new Rig(server, context, profile, `http://127.0.0.1:${(server.address() as AddressInfo).port}`);
     }
 
@@ -113,13 +116,11 @@ export class Rig {
 }
 
 export async function samples(page: Page, count: number): Promise<void> {
-    await page.waitForFunction((wanted) => window.apeiron.samples() >= wanted, count, { timeout: 90_000 });
+    await page.waitForFunction((wanted) => window.apeiron.samples() >= wanted, count);
 }
 
 export async function atRest(page: Page): Promise<void> {
-    await page.waitForFunction(() => window.apeiron.status()?.state === 'finished' && !window.apeiron.status()!.moving, null, {
-        timeout: 90_000,
-    });
+    await page.waitForFunction(() => window.apeiron.status()?.state === 'finished' && !window.apeiron.status()!.moving);
 }
 
 export async function pixels(page: Page): Promise<Picture & { samples: number }> {
@@ -137,8 +138,8 @@ export async function shown(page: Page): Promise<Picture> {
     return decodePng(await page.locator('#view').screenshot());
 }
 
-/** Every picture that the page shows of the canvas while something is done. */
-export async function framesDuring(page: Page, work: () => Promise<void>): Promise<Picture[]> {
+/** Every picture that the page shows of the canvas while something is done. `next` waits for another one than the last. */
+export async function framesDuring(page: Page, work: (next: () => Promise<void>) => Promise<void>): Promise<Picture[]> {
     const recording = await page.evaluateHandle(() => {
         const view = document.querySelector<HTMLCanvasElement>('#view')!;
         const { width, height } = view.getBoundingClientRect();
@@ -155,7 +156,17 @@ export async function framesDuring(page: Page, work: () => Promise<void>): Promi
         record();
         return recorder;
     });
-    await work();
+    let known = 1;
+    await work(async () => {
+        known = await recording.evaluate(
+            ({ frames }, before) =>
+                new Promise<number>((resolve) => {
+                    const look = () => (frames.length > before ? resolve(frames.length) : requestAnimationFrame(look));
+                    look();
+                }),
+            known,
+        );
+    });
     const { width, height, frames } = await recording.evaluate((recorder) => {
         recorder.on = false;
         const text = (bytes: Uint8ClampedArray) => btoa(bytes.reduce((all, byte) => all + String.fromCharCode(byte), ''));

@@ -7,7 +7,7 @@ import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
 import { at, type Json } from '../../src/schema';
 import { atRest, difference, hasNative, pixels, renderNatively, Rig, screenshotPath } from './rig';
 
-const kTime = 120_000;
+const kTime = 240_000;
 const kSize = 24;
 
 let rig: Rig;

@@ -21,7 +21,9 @@ class FakeEngine implements LoopEngine {
         this.log.push(entry);
         this.done = 0;
     }
+    budgets: number[] = [];
     step(budget: number): StepResult {
+        this.budgets.push(budget);
         const before = this.done;
         const end = this.time + budget;
         const part = this.cost / this.parts;
@@ -31,8 +33,9 @@ class FakeEngine implements LoopEngine {
         }
         return { samples: this.samples(), changed: this.done !== before, finished: this.samples() >= this.limit };
     }
+    showing = 1;
     show(): void {
-        this.time += 1;
+        this.time += this.showing;
         this.log.push(`show ${this.done}`);
     }
     slow = false;
@@ -196,6 +199,23 @@ describe('the loop', () => {
         expect(engine.time - start).toBeLessThan(34);
         engine.limit = 0;
         settle();
+    });
+
+    it('works while moving for a part of the time that showing takes, where that takes long', () => {
+        const { engine, loop, tick, settle } = rig(4);
+        loop.restarted();
+        settle();
+        const moves = (showing: number) => {
+            engine.showing = showing;
+            for (let i = 0; i < 20; i++) {
+                loop.motion(orbit(1));
+                tick();
+            }
+            return engine.budgets.at(-1)!;
+        };
+        expect(moves(1)).toBeLessThan(16);
+        expect(moves(80)).toBeGreaterThan(35);
+        expect(moves(800)).toBe(100);
     });
 
     it('tells of a changed document once the camera has come to rest', () => {
