@@ -65,19 +65,14 @@ class Engine {
   public:
     Engine() = default;
 
-    /// The default scene in that size.
-    void start(int width, int height) {
+    /// Takes over the current WebGL context. Nothing else can be done before the first scene or volume: another one
+    /// before it would compile its kernels in vain.
+    void start() {
         guarded([&] {
             context_ = gpu::Context::adopt();
-            session::Options options;
-            options.interleave = kInterleave;
             // Where a processor does the work, kernels with constants are about five times as fast and compile at once.
             // Drivers of GPUs may take seconds to compile: there, no edit of a value must.
             specialise_ = context_->capabilities().software;
-            options.specialise = specialise_;
-            scene::Scene scene(session::catalogue());
-            setSize(scene, width, height);
-            session_ = std::make_unique<session::Session>(*context_, std::move(scene), options);
         });
     }
 
@@ -85,7 +80,7 @@ class Engine {
         guarded([&] {
             scene::Scene scene = scene::Scene::parse(session::catalogue(), name, text);
             setSize(scene, width, height);
-            session().setScene(std::move(scene));
+            open(std::move(scene));
         });
     }
 
@@ -99,7 +94,7 @@ class Engine {
             try {
                 scene::Scene scene = session::volumeScene(name, name);
                 setSize(scene, width, height);
-                session().setScene(std::move(scene));
+                open(std::move(scene));
             } catch (...) {
                 volume::provideVolume(name, name == providedName_ ? before : nullptr);
                 throw;
@@ -376,6 +371,14 @@ class Engine {
         scene.output.set("height", std::int64_t{height});
     }
 
+    void open(scene::Scene scene) {
+        if (session_) return session_->setScene(std::move(scene));
+        session::Options options;
+        options.interleave = kInterleave;
+        options.specialise = specialise_;
+        session_ = std::make_unique<session::Session>(context(), std::move(scene), options);
+    }
+
     template <class Change> void move(const Change& change) {
         guarded([&] {
             scene::Camera camera = session().camera();
@@ -385,10 +388,13 @@ class Engine {
     }
 
     session::Session& session() const {
-        if (!session_) throw Error(ErrorKind::BadInput, "the engine has not been started");
+        if (!session_) throw Error(ErrorKind::BadInput, "the engine shows no scene yet");
         return *session_;
     }
-    const gpu::Context& context() const { return session().context(); }
+    const gpu::Context& context() const {
+        if (!context_) throw Error(ErrorKind::BadInput, "the engine has not been started");
+        return *context_;
+    }
 
     // The session dies before its context.
     std::unique_ptr<gpu::Context> context_;

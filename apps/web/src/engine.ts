@@ -13,7 +13,8 @@ export interface StepResult {
 }
 
 export interface Engine {
-    start(width: number, height: number): void;
+    /** Takes over the current context; nothing else works before the first scene or volume. */
+    start(): void;
     /** A size of 0 leaves the scene's own. */
     loadScene(text: string, name: string, width: number, height: number): void;
     /**

@@ -63,7 +63,7 @@ class Viewer {
                 post({ type: 'error', message: messageOf(error) });
             }
         }
-        if (!scene) this.afterLoad();
+        if (!scene) this.load('{"apeiron": 1}', 'the default scene');
         return {
             schema: JSON.parse(this.module.schemaJson()) as Schema,
             gallery,
@@ -189,7 +189,7 @@ class Viewer {
         const attributes = { majorVersion: 2, minorVersion: 0, enableExtensionsByDefault: true };
         this.module.GL.makeContextCurrent(this.module.GL.registerContext(gl, attributes));
         this.engine = new this.module.Engine();
-        this.engine.start(this.canvas.width, this.canvas.height);
+        this.engine.start();
         this.loop = new Loop(
             this.engine,
             {
@@ -211,14 +211,19 @@ class Viewer {
             },
             () => this.limit(),
         );
-        if (this.paused) this.loop.pause(true);
     }
 
     private afterLoad(): void {
         if (this.samples !== null) this.engine.set('output.samples', String(this.samples), false);
-        this.loop.restarted();
+        this.restarted();
         this.loaded = true;
         this.sendDocument();
+    }
+
+    /** The loop of a new engine does not know of a pause yet. */
+    private restarted(): void {
+        if (this.paused) this.loop.pause(true);
+        this.loop.restarted();
     }
 
     private limit(): number {
@@ -256,7 +261,7 @@ class Viewer {
             this.lost = false;
             this.makeEngine();
             this.engine.loadScene(text, 'the scene', this.canvas.width, this.canvas.height);
-            this.loop.restarted();
+            this.restarted();
             this.sendDocument();
             post({ type: 'context', state: 'restored' });
         } catch (error) {

@@ -1,11 +1,12 @@
 // A browser that looks at the built page.
-import { execFileSync } from 'node:child_process';
+import { execFile } from 'node:child_process';
 import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, statSync } from 'node:fs';
 import { createServer, type Server } from 'node:http';
 import type { AddressInfo } from 'node:net';
 import { tmpdir } from 'node:os';
 import { extname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { promisify } from 'node:util';
 import { chromium, type BrowserContext, type Page } from 'playwright-core';
 import type { ApeironPage } from '../../src/main';
 import { decodePng, type Picture } from '../png';
@@ -210,12 +211,12 @@ export function screenshotPath(name: string): string {
     return join(folder, `${name}.png`);
 }
 
-/** The same scene by the native program. */
-export function renderNatively(scene: string, size: string, count: number): Picture {
+/** The same scene by the native program. It compiles on one processor, as browsers do: both at once take little longer than one. */
+export async function renderNatively(scene: string, size: string, count: number): Promise<Picture> {
     const folder = mkdtempSync(join(tmpdir(), 'apeiron-native-'));
     try {
         const file = join(folder, 'picture.png');
-        execFileSync(native, ['render', scene, '--size', size, '--samples', String(count), '-o', file], { stdio: 'pipe' });
+        await promisify(execFile)(native, ['render', scene, '--size', size, '--samples', String(count), '-o', file]);
         return decodePng(readFileSync(file));
     } finally {
         rmSync(folder, { recursive: true });

@@ -70,7 +70,7 @@ describe('a volume', () => {
         expect(await page.locator('#scene').evaluate((select: HTMLSelectElement) => select.selectedOptions[0]!.text)).toBe('ball.nrrd');
         if (!hasNative) return;
         // Renderers of volumes march in small steps: two devices round a few of them to another voxel.
-        const { mean, failing } = difference(await pixels(page), renderNatively(path, '160x90', 2));
+        const { mean, failing } = difference(await pixels(page), await renderNatively(path, '160x90', 2));
         expect(mean).toBeLessThan(1);
         expect(failing).toBeLessThan(0.01);
     }, kTime);
