@@ -107,9 +107,20 @@ function nrrd({ form, voxels }: VolumeData): Uint8Array {
     return Buffer.concat([Buffer.from(header), voxels]);
 }
 
-const sceneOf = (source: string, renderer: string, seed: number): string =>
+/** The whole box, from 2.2 times its longest side away (as bench/convergence.cpp). */
+function cameraAt({ size, indexToWorld }: VolumeForm): object {
+    const axes = [0, 1, 2].map((i) => indexToWorld.slice(3 * i, 3 * i + 3));
+    const middle = [0, 1, 2].map((k) => axes.reduce((sum, axis, i) => sum + axis[k]! * (0.5 * size[i]! - 0.5), indexToWorld[9 + k]!));
+    const longest = Math.max(...axes.map((axis, i) => size[i]! * Math.hypot(...axis)));
+    const front = [0.38, -1, 0.22];
+    const position = middle.map((at, k) => at + (2.2 * longest * front[k]!) / Math.hypot(...front));
+    return { position: position.map(String), target: middle.map(String), fov: 40 };
+}
+
+const sceneOf = (source: string, renderer: string, seed: number, form: VolumeForm): string =>
     JSON.stringify({
         apeiron: 1,
+        camera: cameraAt(form),
         subject: {
             type: 'volume',
             source,
@@ -201,7 +212,7 @@ async function run(): Promise<void> {
         const name = basename(path);
         await page.waitForFunction((wanted) => (window.apeiron.scene()['subject'] as { source?: string }).source === wanted, name, { timeout: 1000 * kPatience });
         for (const renderer of [values.renderers, ...positionals]) {
-            await within(kPatience, 'opening the scene', page.evaluate((text) => window.apeiron.load(text), sceneOf(name, renderer, 0)));
+            await within(kPatience, 'opening the scene', page.evaluate((text) => window.apeiron.load(text), sceneOf(name, renderer, 0, volume.form)));
             // The first sample compiles: it does not count, and says how long others may take.
             const first = await finishedAfter(page, 'output.seed', 2, 1, kPatience);
             const second = await finishedAfter(page, 'output.seed', 1, 1, kPatience);
@@ -223,7 +234,7 @@ async function run(): Promise<void> {
             let count = Number(values.reference);
             if (hasNative) {
                 const scene = join(root, 'out/web', `convergence_${renderer}.json`);
-                writeFileSync(scene, sceneOf(path, renderer, 4));
+                writeFileSync(scene, sceneOf(path, renderer, 4, volume.form));
                 reference = await renderNatively(scene, `${size}x${size}`, count);
             } else {
                 count = Math.max(Math.round((seconds / last.seconds) * last.samples), 1);

@@ -36,7 +36,7 @@ const kMovingWork = 0.5;
 const kFirstRest = 16;
 const kLongestRest = 100;
 const kRestGrowth = 1.4;
-/** Showing takes no more than one part in so many of the time at rest, where steps of that length allow it. */
+/** At rest, pictures are worked for so many times as long as showing them takes. */
 const kWorkPerShow = 4;
 const kStatusInterval = 120;
 /** After so long without an edit, the kernels are made for the present values [ms]. */
@@ -88,6 +88,8 @@ export class Loop {
     private showMs = 0;
     private stepMs = 0;
     private workMs = 0;
+    /** Of workMs, what was done when the picture was last shown. */
+    private shownWorkMs = 0;
     private distance: number | null = null;
     private emptyReason = '';
     private shownAt: number[] = [];
@@ -258,7 +260,8 @@ export class Loop {
             // A scene that was opened again keeps its samples: nothing changes, but it has to be seen.
             if (result.changed || (!this.shown && result.samples > 0)) this.mustShow = true;
         }
-        if (this.mustShow && this.done() >= this.hold) {
+        const worth = moving || resting || !this.shown || this.finished || this.workMs - this.shownWorkMs >= kWorkPerShow * this.showMs;
+        if (this.mustShow && worth && this.done() >= this.hold) {
             this.showPicture();
             this.stepMs = this.host.now() - start;
         }
@@ -296,9 +299,15 @@ export class Loop {
         const end = this.host.now();
         this.showMs = this.showMs === 0 ? end - start : 0.8 * this.showMs + 0.2 * (end - start);
         this.shown = true;
+        this.shownWorkMs = this.workMs;
         this.mustShow = false;
         this.shownAt = this.shownAt.filter((time) => end - time < 1000);
         this.shownAt.push(end);
+    }
+
+    private mustShowAtOnce(): void {
+        this.mustShow = true;
+        this.shownWorkMs = Number.NEGATIVE_INFINITY;
     }
 
     private forgetSamples(): void {
@@ -309,6 +318,7 @@ export class Loop {
         this.distance = null;
         this.emptyReason = '';
         this.workMs = 0;
+        this.shownWorkMs = 0;
     }
 
     private forgetMoves(): void {
@@ -329,7 +339,7 @@ export class Loop {
             try {
                 const stale = this.engine.set(edit.path, JSON.stringify(edit.value), edit.live);
                 if (stale === 'samples' || stale === 'program') this.forgetSamples();
-                else if (this.shown) this.mustShow = true;
+                else if (this.shown) this.mustShowAtOnce();
                 this.finished = false;
                 if (edit.live) this.movedAt = this.editedAt;
                 else this.documentStale = true;

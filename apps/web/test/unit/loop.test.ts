@@ -218,6 +218,31 @@ describe('the loop', () => {
         expect(moves(800)).toBe(100);
     });
 
+    it('shows the first of a picture at once, at rest no more than a fifth of the time, and the last of it', () => {
+        const { engine, loop, settle } = rig(400);
+        engine.showing = 100;
+        engine.limit = 10;
+        loop.restarted();
+        settle();
+        const shows = engine.log.filter((entry) => entry.startsWith('show'));
+        expect(shows[0]).toBe('show 1');
+        expect(shows.at(-1)).toBe('show 40');
+        expect(shows.length).toBeGreaterThan(5);
+        expect(shows.length).toBeLessThanOrEqual(2 + (10 * 400) / 400);
+    });
+
+    it('shows an edit of how the picture looks at once', () => {
+        const { engine, loop, tick } = rig(400);
+        engine.showing = 100;
+        engine.limit = 10;
+        loop.restarted();
+        for (let i = 0; i < 5; i++) tick();
+        void loop.edit('post.exposure', 1, false);
+        const before = engine.log.length;
+        tick();
+        expect(engine.log.slice(before)).toEqual(['post.exposure=1', `show ${engine.done}`]);
+    });
+
     it('tells of a changed document once the camera has come to rest', () => {
         const { loop, settle, documents } = rig(20);
         loop.restarted();
