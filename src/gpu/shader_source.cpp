@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <regex>
 #include <sstream>
 
@@ -36,6 +37,39 @@ std::size_t skipSpace(std::string_view text, std::size_t i) {
 
 char charAt(std::string_view text, std::size_t i) {
     return i < text.size() ? text[i] : '\0';
+}
+
+/// Makes constants of uniforms. Read by hand, as all that is read whole: std::regex took most of the time between an
+/// edit and the driver's compiler. @param values literals by the uniform's name
+std::string withConstants(std::string_view text, const std::map<std::string, std::string, std::less<>>& values) {
+    constexpr std::string_view kUniform = "uniform";
+    std::string out;
+    std::size_t done = 0;
+    for (std::size_t at = 0; (at = text.find(kUniform, at)) != std::string_view::npos;) {
+        const std::size_t begin = at;
+        at += kUniform.size();
+        if ((begin > 0 && isIdentifier(text[begin - 1])) || isIdentifier(charAt(text, at))) continue;
+        const std::size_t typeAt = skipSpace(text, at);
+        std::size_t i = typeAt;
+        std::string_view word = identifierAt(text, i);
+        std::size_t typeEnd = typeAt;
+        // Precision, type, name: the last word is the name.
+        for (int words = 0; words < 3 && !word.empty(); ++words) {
+            const std::size_t next = skipSpace(text, i + word.size());
+            if (charAt(text, next) == ';') break;
+            typeEnd = i + word.size();
+            i = next;
+            word = identifierAt(text, i);
+        }
+        const std::size_t end = skipSpace(text, i + word.size());
+        const auto value = values.find(word);
+        if (value == values.end() || charAt(text, end) != ';' || typeEnd == typeAt) continue;
+        out += text.substr(done, begin - done);
+        out += fmt::format("const {} {} = {};", text.substr(typeAt, typeEnd - typeAt), word, value->second);
+        done = at = end + 1;
+    }
+    out += text.substr(done);
+    return out;
 }
 
 } // namespace
@@ -77,7 +111,9 @@ std::set<std::string> globalNames(std::string_view source) {
             const std::size_t end = std::min(text.find('\n', i), text.size());
             static const std::regex kDefine(R"(^#\s*define\s+(\w+))");
             std::cmatch match;
-            if (std::regex_search(text.data() + i, text.data() + end, match, kDefine)) names.insert(match[1].str());
+            if (std::regex_search(text.data() + i, text.data() + end, match, kDefine,
+                                  std::regex_constants::match_continuous))
+                names.insert(match[1].str());
             i = end - 1;
             continue;
         }
@@ -240,18 +276,17 @@ void ShaderSource::addModule(const parameter::GlslModule& module, const std::str
             if (p.uniform) names.insert(p.name);
     }
     text = withPrefix(text, names, prefix);
+    std::map<std::string, std::string, std::less<>> constants;
     for (const parameter::Parameter& p : module.parameters) {
         if (!p.uniform) continue; // a file's name and the like: nothing that a shader sees
         const std::string uniform = prefix + p.name;
         if (specialise || p.invalidates == parameter::Invalidates::Program) {
-            const std::regex declaration(
-                fmt::format(R"(\buniform\s+((?:(?:high|medium|low)p\s+)?\w+)\s+{}\s*;)", uniform));
-            text = std::regex_replace(text, declaration,
-                                      fmt::format("const $1 {} = {};", uniform, glslLiteral(p, node.value(p.name))));
+            constants.emplace(uniform, glslLiteral(p, node.value(p.name)));
         } else {
             bindings_.push_back({uniform, p.name, slot});
         }
     }
+    text = withConstants(text, constants);
     append(module.file, module.embedded, text);
 }
 
@@ -265,7 +300,15 @@ std::vector<ShaderSource::Output> ShaderSource::outputs() const {
     static const std::regex kOutput(R"(\bout\s+(?:highp\s+)?(\w+)\s+(\w+))");
     std::smatch match;
     std::vector<Output> outputs;
-    if (!std::regex_search(text_, match, kMain)) return outputs;
+    // Looked for from nearby: a search of all of the text takes longer than everything else that is done to it.
+    bool found = false;
+    for (std::size_t at = 0; !found && (at = text_.find("kernel_main", at)) != std::string::npos; ++at) {
+        const std::size_t start = text_.rfind("void", at);
+        if (start == std::string::npos || (start > 0 && isIdentifier(text_[start - 1]))) continue;
+        found = std::regex_search(text_.cbegin() + static_cast<std::ptrdiff_t>(start), text_.cend(), match, kMain,
+                                  std::regex_constants::match_continuous);
+    }
+    if (!found) return outputs;
     const std::string parameters = match[1];
     for (std::sregex_iterator it(parameters.begin(), parameters.end(), kOutput), end; it != end; ++it) {
         outputs.push_back({(*it)[1], (*it)[2]});
