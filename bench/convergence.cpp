@@ -112,18 +112,17 @@ volume::Volume reduced(const volume::Volume& from, int size) {
     return to;
 }
 
-/// The whole box of the volume, however much of it is empty, from 2.2 times its longest side away (as
-/// bench/web_convergence.ts).
-void lookAtBox(scene::Scene& scene, const volume::Volume& volume) {
+/// The sphere around the whole box, however much of that is empty, as high as the picture (as
+/// bench/web_convergence.ts). Around the origin: volumes that seem to stand on their heads are turned about it.
+void centre(scene::Scene& scene, volume::Volume& volume) {
     const glm::dvec3 size(volume.size);
-    const glm::dvec3 middle(volume.indexToWorld * glm::dvec4(0.5 * size - 0.5, 1.0));
+    volume.indexToWorld[3] -= volume.indexToWorld * glm::dvec4(0.5 * size - 0.5, 1.0) - glm::dvec4(0, 0, 0, 1);
     double longest = 0.0;
     for (int i = 0; i < 3; ++i)
         longest = std::max(longest, size[i] * glm::length(glm::dvec3(volume.indexToWorld[i])));
-    const glm::dvec3 position = middle + 2.2 * longest * glm::normalize(glm::dvec3(0.38, -1.0, 0.22));
-    const auto text = [](const glm::dvec3& v) { return fmt::format("{},{},{}", v.x, v.y, v.z); };
-    scene.set("camera.position", std::string_view(text(position)));
-    scene.set("camera.target", std::string_view(text(middle)));
+    const glm::dvec3 position = 2.53 * longest * glm::normalize(glm::dvec3(0.38, -1.0, 0.22));
+    scene.set("camera.position", std::string_view(fmt::format("{},{},{}", position.x, position.y, position.z)));
+    scene.set("camera.target", std::string_view("0,0,0"));
     scene.set("camera.fov", std::string_view("40"));
 }
 
@@ -229,8 +228,8 @@ void run(const Settings& settings) {
             scene.set("renderer.type", std::string_view(renderer));
             if (renderer == "mcm") scene.set("renderer.bounces", std::string_view("8"));
             if (file) {
-                const auto volume = std::make_shared<const volume::Volume>(reduced(*file, grid));
-                lookAtBox(scene, *volume);
+                const auto volume = std::make_shared<volume::Volume>(reduced(*file, grid));
+                centre(scene, *volume);
                 volume::provideVolume("reduced", volume);
                 scene.set("subject.source", std::string_view("reduced"));
                 if (file->type == volume::VoxelType::UInt8) { // opacity is the byte

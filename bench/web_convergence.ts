@@ -107,20 +107,24 @@ function nrrd({ form, voxels }: VolumeData): Uint8Array {
     return Buffer.concat([Buffer.from(header), voxels]);
 }
 
-/** The whole box, from 2.2 times its longest side away (as bench/convergence.cpp). */
-function cameraAt({ size, indexToWorld }: VolumeForm): object {
-    const axes = [0, 1, 2].map((i) => indexToWorld.slice(3 * i, 3 * i + 3));
-    const middle = [0, 1, 2].map((k) => axes.reduce((sum, axis, i) => sum + axis[k]! * (0.5 * size[i]! - 0.5), indexToWorld[9 + k]!));
-    const longest = Math.max(...axes.map((axis, i) => size[i]! * Math.hypot(...axis)));
+/** The volume around the origin, and the sphere around its whole box as high as the picture (as bench/convergence.cpp). */
+function centred({ form, voxels }: VolumeData): VolumeData {
+    const axes = form.indexToWorld.slice(0, 9);
+    const origin = [0, 1, 2].map((k) => -[0, 1, 2].reduce((sum, i) => sum + axes[3 * i + k]! * (0.5 * form.size[i]! - 0.5), 0));
+    return { form: { ...form, indexToWorld: [...axes, ...origin] }, voxels };
+}
+
+function cameraFor({ size, indexToWorld }: VolumeForm): object {
+    const longest = Math.max(...[0, 1, 2].map((i) => size[i]! * Math.hypot(...indexToWorld.slice(3 * i, 3 * i + 3))));
     const front = [0.38, -1, 0.22];
-    const position = middle.map((at, k) => at + (2.2 * longest * front[k]!) / Math.hypot(...front));
-    return { position: position.map(String), target: middle.map(String), fov: 40 };
+    const position = front.map((part) => String((2.53 * longest * part) / Math.hypot(...front)));
+    return { position, target: ['0', '0', '0'], fov: 40 };
 }
 
 const sceneOf = (source: string, renderer: string, seed: number, form: VolumeForm): string =>
     JSON.stringify({
         apeiron: 1,
-        camera: cameraAt(form),
+        camera: cameraFor(form),
         subject: {
             type: 'volume',
             source,
@@ -198,7 +202,7 @@ async function run(): Promise<void> {
     const file = { name: basename(values.volume), bytes: new Uint8Array(readFileSync(values.volume)) };
     const opened = await openVolume([file], async () => null);
     if (!opened || 'raw' in opened.form) throw new Error(`${file.name} does not tell what it is`);
-    const volume = reduced({ form: opened.form, voxels: opened.voxels }, grid);
+    const volume = centred(reduced({ form: opened.form, voxels: opened.voxels }, grid));
     const path = join(root, 'out/web', `reduced_${volume.form.size.join('x')}.nrrd`);
     mkdirSync(join(root, 'out/web'), { recursive: true });
     writeFileSync(path, nrrd(volume));

@@ -177,8 +177,9 @@ void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geom
                 gloss = brdf_gloss(how.brdf, material, normal, view);
             }
             // A light, by its chance.
-            float part;
-            int chosen = light_choose(from, u_choice, part);
+            float part = 0.0;
+            int chosen = -1;
+            for (int j = 0; j < int(light_count > 0 || from.environment); ++j) chosen = light_choose(from, u_choice, part);
             light = vec3(0.0);
             vec3 towards = vec3(0.0);
             float distance = 0.0;
