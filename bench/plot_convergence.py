@@ -60,6 +60,9 @@ def main():
             dash = ' stroke-dasharray="5 4"' if renderer == "mcs" else ""
             path = "L".join(f"{x(seconds):.1f} {y(psnr):.1f}" for seconds, psnr in line)
             out.append(f'<path d="M{path}" stroke="{colours[grid]}" stroke-width="2" fill="none"{dash}/>')
+            # Where the reference allows one look only, there is no line.
+            out += [f'<circle cx="{x(seconds):.1f}" cy="{y(psnr):.1f}" r="3" fill="{colours[grid] if renderer == "mcm" else "#fff"}" '
+                    f'stroke="{colours[grid]}" stroke-width="1.5"/>' for seconds, psnr in line]
     out.append(f'<text transform="translate(14 {(TOP + bottom) / 2}) rotate(-90)" text-anchor="middle">PSNR [dB]</text>')
     for i, (grid, renderer) in enumerate(sorted({key[1:] for key in lines})):
         at = TOP + 8 + 20 * i
