@@ -68,7 +68,7 @@ void transferEdit(benchmark::State& state, const char* renderer) {
         opacity = 1.5 - opacity;
         session.set("subject.transfer",
                     Json{{"points", {{{"value", 0}, {"opacity", 0}}, {{"value", 1}, {"opacity", opacity}}}}});
-        while (session.samples() == 0 && !session.step(0.005).changed) {
+        while (session.samples() == 0 && !session.step(1.0 / 30.0).changed) {
         }
         benchmark::DoNotOptimize(session.distanceAt({0, 0})); // presents
     }
