@@ -93,12 +93,9 @@ std::string iterateText(const std::vector<Turn>& turns) {
         ends += fmt::format("    int end{} = {};\n", i, sum);
     }
     text += ends + fmt::format("    int turn = orbit.i % end{};\n", turns.size() - 1);
-    // Loops of one turn instead of ifs: all neighbours' orbits are at the same step, and rasterisers on the CPU, which
-    // compute both branches of an `if`, skip an empty loop.
     for (std::size_t i = 0; i < turns.size(); ++i) {
         const std::string from = i == 0 ? "0" : fmt::format("end{}", i - 1);
-        text += fmt::format("    for (int n = 0; n < int(turn >= {} && turn < end{}); ++n) {{ {} }}\n", from, i,
-                            step(turns[i]));
+        text += fmt::format("    if (turn >= {} && turn < end{}) {{ {} }}\n", from, i, step(turns[i]));
     }
     return text + fmt::format("}}\nint fractal_cycle() {{ return {}; }}\n", sum);
 }

@@ -38,13 +38,9 @@ bool changes() { return pre_fold != 0 || moves(); }
 void prepare(inout Orbit orbit) {
     if (pre_fold != 0) orbit.z = fold(orbit.z);
     if (moves()) {
-        // Where the condition is no constant, a loop of one turn instead of the `if` alone: rasterisers on the CPU compute
-        // both branches of an `if`, but skip an empty loop.
-        for (int n = 0; n < int(moves()); ++n) {
-            orbit.z = pre_scale * (turn() * orbit.z) + pre_offset;
-            orbit.w *= pre_scale;
-            orbit.derivative *= pre_scale;
-        }
+        orbit.z = pre_scale * (turn() * orbit.z) + pre_offset;
+        orbit.w *= pre_scale;
+        orbit.derivative *= pre_scale;
     }
     if (changes()) orbit.r2 = dot(orbit.z, orbit.z) + orbit.w * orbit.w;
 }

@@ -10,7 +10,7 @@
 namespace apeiron::gpu {
 
 /// Texel formats of 3D textures. All can be sampled everywhere, WebGL 2 included; see filterable() for the rest. Those
-/// of integers are for usampler3D and texelFetch.
+/// of integers are for usampler3D.
 enum class GridFormat { R8, RG8, RGBA8, R16F, RG16F, RGBA16F, R32F, RG32F, RGBA32F, RG32UI, RGBA32UI };
 
 /// Channels of a texel: 1, 2 or 4.

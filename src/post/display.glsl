@@ -34,8 +34,7 @@ void kernel_main(ivec2 pixel, out vec4 color) {
     // Radiance is premultiplied; tone curves are not linear, so they see the colour without its coverage.
     vec3 hdr = alpha > 0.0 ? source.rgb / alpha : vec3(0.0);
     float exposure = display_exposure;
-    // A loop of at most one turn: rasterisers on the CPU skip an empty loop, but not an `if`.
-    for (int i = display_metered ? 0 : 1; i < 1; ++i) exposure *= texelFetch(display_meter, ivec2(0), 0).x;
+    if (display_metered) exposure *= texelFetch(display_meter, ivec2(0), 0).x;
     vec3 ldr = tonemapper_tonemap(exposure * hdr);
     if (display_opaque) ldr = mix(display_background, ldr, alpha);
     vec3 encoded = display_srgb(clamp(ldr, 0.0, 1.0));

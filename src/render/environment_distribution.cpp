@@ -40,7 +40,6 @@ void EnvironmentDistribution::update(const scene::Scene& scene, const View& view
 void EnvironmentDistribution::bind(gpu::Kernel& kernel) const {
     kernel.set("environment_cells", table_.size());
     kernel.set("environment_distribution", table_);
-    kernel.set("environment_peak", peak_);
 }
 
 std::vector<float> environmentTable(const Image<float>& power) {

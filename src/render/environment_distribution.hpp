@@ -17,6 +17,10 @@ class EnvironmentDistribution {
     /// The environment, or a light that it depends on, has changed.
     void update(const scene::Scene& scene, const View& view, const EnvironmentPicture& picture);
 
+    /// Whether there are directions from which much more light comes than from others: 4 times as much as from all on
+    /// average.
+    bool peaked() const { return peak_ > 4.0F; }
+
     void bind(gpu::Kernel& kernel) const;
 
   private:

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <functional>
+#include <map>
 #include <optional>
 
 namespace apeiron::render {
@@ -14,6 +15,10 @@ constexpr auto kFloat4 = gpu::PixelFormat::RGBA32F;
 
 /// Estimates are padded so that sub-images of any factor f fit: f * ceil(size / f) < size + f.
 constexpr int kPadding = Interleave::kMost - 1;
+
+/// Where the first sub-image lies, if there are several: Mesa's llvmpipe shares work out to threads by tiles of 64 x
+/// 64, and a sub-image may be just as small. In the middle of a tile it has a part of four.
+constexpr int kStraddle = 32;
 
 /// The prepass has one texel for a square of 2^shift pixels.
 constexpr int kPrepassShift = 3;
@@ -44,25 +49,24 @@ class KernelRenderer : public Renderer {
                    const scene::Scene& scene, const Subject& subject, glm::ivec2 size)
         : context_(context), cache_(cache), options_(options), environmentPicture_(context, scene), size_(size),
           prepassSize_((size + (1 << kPrepassShift) - 1) / (1 << kPrepassShift)),
-          estimate_(context, glm::min(size + kPadding, glm::ivec2(context.capabilities().maxTextureSize)), kEstimate),
+          estimate_(context, glm::min(size + kPadding + kStraddle, glm::ivec2(context.capabilities().maxTextureSize)),
+                    kEstimate),
           front_(std::make_unique<Buffers<4>>(context, size, kAccumulator)),
           back_(std::make_unique<Buffers<4>>(context, size, kAccumulator)),
           starts_(context, gpu::PixelFormat::R32F, prepassSize_, "prepass_start"), startsTargets_(context, {&starts_}),
           nothing_(std::make_unique<Picture>(context, glm::ivec2(1, 1), true)),
           harmonics_(context, kFloat4, {9, 1}, "environment_sh"), harmonicsTargets_(context, {&harmonics_}),
           probeResult_(context, kFloat4, {1, 1}, "probe"), probeTargets_(context, {&probeResult_}) {
-        const std::string name = scene.renderer.module("type").name;
         const std::string means = integratorOf(scene);
-        generate_ =
-            cache.get(name, generateSource(scene, subject, options), options.stage, {kFloat4, kFloat4, kFloat4});
         harmonicsKernel_ = cache.get("environment_sh", harmonicsSource(scene, options), options.stage, {kFloat4});
         if (samplesEnvironment(scene)) distribution_.emplace(context, cache, options, scene);
+        updateEnvironment(scene, View(scene, size));
+        makeGenerate(scene, subject);
         integrate_ = cache.get("integrate " + means, integrateSource(means), options.stage,
                                {kFloat4, kFloat4, kFloat4, kFloat4});
-        present_ = cache.get("present " + means, presentSource(means), options.stage, {kFloat4, kFloat4, kFloat4});
-        makePresentMoved_ = [&cache, means, stage = options.stage] {
-            const std::string moved = means + "_moved";
-            return cache.get("present " + moved, presentSource(moved), stage, {kFloat4, kFloat4, kFloat4, kFloat4});
+        makePresent_ = [&cache, means, stage = options.stage](const PresentKind& kind) {
+            return cache.get("present " + means, presentSource(means, kind), stage,
+                             std::vector<gpu::PixelFormat>(kind.points ? 4 : 3, kFloat4));
         };
         prepass_ =
             cache.get("prepass", prepassSource(scene, subject, options), options.stage, {gpu::PixelFormat::R32F});
@@ -80,19 +84,13 @@ class KernelRenderer : public Renderer {
         drawn_.reset();
         sharedPoints_ = SharedPoints(scene);
         if (subject.draws()) subject.prepare(context_, cache_, options_.stage, scene, size_);
-        for (gpu::Kernel* kernel : {prepass_.get(), generate_.get(), harmonicsKernel_.get()})
+        updateEnvironment(scene, view);
+        const bool anew = peaked_ != peaked();
+        if (anew) makeGenerate(scene, subject);
+        for (gpu::Kernel* kernel : {prepass_.get(), generate_.get()})
             view.upload(*kernel);
-        for (gpu::Kernel* kernel : {harmonicsKernel_.get(), generate_.get()}) {
-            kernel->setParameters("environment", scene.environment);
-            environmentPicture_.bind(*kernel);
-        }
-        // Camera moves, the most frequent edits, leave the environment as it is.
-        if (!environment_ || *environment_ != scene.environment || lights_ != scene.lights) {
-            harmonicsKernel_->run(harmonicsTargets_);
-            if (distribution_) distribution_->update(scene, view, environmentPicture_);
-            environment_ = scene.environment;
-            lights_ = scene.lights;
-        }
+        generate_->setParameters("environment", scene.environment);
+        environmentPicture_.bind(*generate_);
         generate_->setParameters("renderer", scene.renderer);
         generate_->set("environment_sh", harmonics_);
         if (distribution_) distribution_->bind(*generate_);
@@ -101,16 +99,22 @@ class KernelRenderer : public Renderer {
         prepass_->set("prepass_tile", 1 << kPrepassShift);
         generate_->set("prepass_start", starts_);
         generate_->set("prepass_shift", kPrepassShift);
+        if (anew) warmGenerate();
     }
 
     void warmUp(const Picture& picture) override {
         const gpu::Region one{{0, 0}, {1, 1}};
         prepass_->run(startsTargets_, one, {0, 0});
-        bindAccumulators(*generate_);
-        generate_->run(estimate_.targets, one, {0, 0});
+        warmGenerate();
         bindBuffers(*integrate_, Interleave(1));
         integrate_->run(back_->targets, one, {0, 0});
-        preparePresent(picture, Interleave(1), {}, nullptr).run(picture.targets, one, {0, 0});
+        const History history{*nothing_, *view_};
+        for (const int blocks : {-1, 0}) {
+            preparePresent(picture, Interleave(1), {blocks}, nullptr).run(picture.targets, one, {0, 0});
+            // (The first move of a camera should not wait for it.)
+            if (picture.point)
+                preparePresent(picture, Interleave(1), {blocks}, &history).run(picture.targets, one, {0, 0});
+        }
         reset();
     }
 
@@ -121,8 +125,7 @@ class KernelRenderer : public Renderer {
     }
 
     bool holds(const Interleave& interleave) const override {
-        const glm::ivec2 needed = interleave.factor() * interleave.block(size_);
-        return glm::all(glm::lessThanEqual(needed, estimate_.textures[0].size()));
+        return estimateHolds(interleave.factor() * interleave.block(size_));
     }
 
     glm::ivec2 prepassSize() const override { return prepassSize_; }
@@ -137,7 +140,7 @@ class KernelRenderer : public Renderer {
     void generate(std::uint32_t sample, const Interleave& interleave, glm::ivec2 offset,
                   const gpu::Region& region) override {
         if (drawDue(sample)) draw(sample);
-        const glm::ivec2 origin = offset * interleave.block(size_);
+        const glm::ivec2 origin = offset * interleave.block(size_) + straddle(interleave);
         generate_->set("random_sample", sample);
         generate_->set("error_limit", errorLimit_);
         generate_->set("prepass_there", prepassLeft_ <= 0);
@@ -203,20 +206,59 @@ class KernelRenderer : public Renderer {
     }
 
   private:
+    bool estimateHolds(glm::ivec2 size) const {
+        return glm::all(glm::lessThanEqual(size, estimate_.textures[0].size()));
+    }
+
+    /// Where the first sub-image begins; whole pictures begin where theirs do.
+    int straddle(const Interleave& interleave) const {
+        const bool room = estimateHolds(interleave.factor() * interleave.block(size_) + kStraddle);
+        return interleave.factor() > 1 && room ? kStraddle : 0;
+    }
+
+    /// Camera moves, the most frequent edits, leave the environment as it is.
+    void updateEnvironment(const scene::Scene& scene, const View& view) {
+        if (environment_ && *environment_ == scene.environment && lights_ == scene.lights) return;
+        view.upload(*harmonicsKernel_);
+        harmonicsKernel_->setParameters("environment", scene.environment);
+        environmentPicture_.bind(*harmonicsKernel_);
+        harmonicsKernel_->run(harmonicsTargets_);
+        if (distribution_) distribution_->update(scene, view, environmentPicture_);
+        environment_ = scene.environment;
+        lights_ = scene.lights;
+    }
+
+    bool peaked() const { return distribution_ && distribution_->peaked(); }
+
+    /// The driver finishes compiling now, and not in somebody's step.
+    void warmGenerate() {
+        bindAccumulators(*generate_);
+        generate_->run(estimate_.targets, gpu::Region{{0, 0}, {1, 1}}, {0, 0});
+    }
+
+    /// For the environment as it is.
+    void makeGenerate(const scene::Scene& scene, const Subject& subject) {
+        generate_ = cache_.get(scene.renderer.module("type").name, generateSource(scene, subject, options_, peaked()),
+                               options_.stage, {kFloat4, kFloat4, kFloat4});
+        peaked_ = peaked();
+    }
+
     void bindBuffers(gpu::Kernel& kernel, const Interleave& interleave) {
         for (std::size_t i = 0; i < kEstimate.size(); ++i)
             kernel.set(kEstimate[i], estimate_.textures[i]);
         bindAccumulators(kernel);
         kernel.set("estimate_factor", interleave.factor());
         kernel.set("estimate_block", interleave.block(size_));
+        kernel.set("estimate_origin", glm::ivec2(straddle(interleave)));
     }
 
     /// The kernel that presents into such a picture, with all but its target bound.
     gpu::Kernel& preparePresent(const Picture& picture, const Interleave& interleave, const Progress& progress,
                                 const History* history) {
-        const bool moved = static_cast<bool>(picture.point);
-        if (moved && !presentMoved_) presentMoved_ = makePresentMoved_();
-        gpu::Kernel& kernel = moved ? *presentMoved_ : *present_;
+        const PresentKind kind{progress.blocks < 0, static_cast<bool>(picture.point), history != nullptr};
+        std::shared_ptr<gpu::Kernel>& present = present_[kind];
+        if (!present) present = makePresent_(kind);
+        gpu::Kernel& kernel = *present;
         if (view_) view_->upload(kernel);
         bindBuffers(kernel, interleave);
         kernel.set("estimate_done", progress.blocks);
@@ -226,18 +268,13 @@ class KernelRenderer : public Renderer {
         }
         kernel.set("estimate_current", interleave.offset(std::max(progress.blocks, 0)));
         kernel.set("estimate_band", progress.band);
-        if (!moved) return kernel;
-        // Without a history its samplers still need something to be bound to.
-        const Picture& before = history ? history->picture : *nothing_;
-        kernel.set("history_there", history != nullptr);
-        kernel.set("history_radiance", before.radiance);
-        kernel.set("history_geometry", before.geometry);
-        kernel.set("history_albedo", before.albedo);
-        kernel.set("history_point", before.point);
-        if (history) {
-            history->view.uploadAsHistory(kernel, history->offset, history->scale);
-            kernel.set("history_share", history->share);
-        }
+        if (!history) return kernel;
+        kernel.set("history_radiance", history->picture.radiance);
+        kernel.set("history_geometry", history->picture.geometry);
+        kernel.set("history_albedo", history->picture.albedo);
+        kernel.set("history_point", history->picture.point);
+        history->view.uploadAsHistory(kernel, history->offset, history->scale);
+        kernel.set("history_share", history->share);
         return kernel;
     }
 
@@ -269,15 +306,15 @@ class KernelRenderer : public Renderer {
     std::optional<EnvironmentDistribution> distribution_; ///< for renderers that sample it
     std::optional<parameter::Node> environment_; ///< what the harmonics were made of; skies also depend on lights
     std::vector<parameter::Node> lights_;
+    bool peaked_ = false; ///< what generate_ was made for
     gpu::Texture probeResult_;
     gpu::Targets probeTargets_;
     std::shared_ptr<gpu::Kernel> prepass_;
     std::shared_ptr<gpu::Kernel> generate_;
     std::shared_ptr<gpu::Kernel> integrate_;
     std::optional<View> view_;
-    std::shared_ptr<gpu::Kernel> present_;
-    std::shared_ptr<gpu::Kernel> presentMoved_; ///< for pictures with points: compiled when there is one
-    std::function<std::shared_ptr<gpu::Kernel>()> makePresentMoved_;
+    std::map<PresentKind, std::shared_ptr<gpu::Kernel>> present_; ///< compiled when they are needed
+    std::function<std::shared_ptr<gpu::Kernel>(const PresentKind&)> makePresent_;
     std::shared_ptr<gpu::Kernel> harmonicsKernel_;
     std::shared_ptr<gpu::Kernel> probe_;
     std::function<std::shared_ptr<gpu::Kernel>()> makeProbe_;

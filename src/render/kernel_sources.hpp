@@ -2,6 +2,8 @@
 
 #include "render/subject.hpp"
 
+#include <compare>
+
 namespace apeiron::render {
 
 // The GLSL of each of a renderer's kernels, from its parts. Separate from the renderer, so that tests can compile and
@@ -13,9 +15,18 @@ std::string integratorOf(const scene::Scene& scene);
 /// Whether a scene's renderer draws directions from the environment: `#pragma apeiron samples environment`.
 bool samplesEnvironment(const scene::Scene& scene);
 
+/// What kernels depend on beside the parameters of a scene: its subject's variant() and the kinds of its lights. When
+/// this changes, kernels are made anew.
+std::string variantOf(const scene::Scene& scene, const Subject& subject);
+
+/// The environment and what there is to know of the lights: glsl/environment.glsl with all that it needs.
+void addEnvironment(gpu::ShaderSource& source, const scene::Scene& scene, bool specialise);
+
 /// `generate`: subject + environment + renderer module; 3 outputs.
+/// @param peaked the environment's light comes from few directions (EnvironmentDistribution::peaked())
 /// @throws Error (BadInput) when the renderer needs an interface that the subject does not give.
-gpu::ShaderSource generateSource(const scene::Scene& scene, const Subject& subject, const BuildOptions& options);
+gpu::ShaderSource generateSource(const scene::Scene& scene, const Subject& subject, const BuildOptions& options,
+                                 bool peaked = true);
 
 /// The prepass: where the rays of each tile of pixels may start; 1 output.
 gpu::ShaderSource prepassSource(const scene::Scene& scene, const Subject& subject, const BuildOptions& options);
@@ -29,8 +40,16 @@ gpu::ShaderSource environmentPowerSource(const scene::Scene& scene, const BuildO
 /// `integrate` of that name; 4 outputs.
 gpu::ShaderSource integrateSource(const std::string& integrator);
 
-/// `present` of that name; 3 outputs.
-gpu::ShaderSource presentSource(const std::string& integrator);
+/// What `present` is for: rasterisers on the CPU would compute it all each time.
+struct PresentKind {
+    bool accumulated = false; ///< shows the accumulators, not the estimate
+    bool points = false;      ///< keeps the points that pixels show: a fourth output
+    bool history = false;     ///< and takes what is not there from the picture of before the camera moved
+    auto operator<=>(const PresentKind&) const = default;
+};
+
+/// `present` of that name; 3 outputs, or 4.
+gpu::ShaderSource presentSource(const std::string& integrator, const PresentKind& kind);
 
 /// The distance from the camera to the surface; 1 output.
 gpu::ShaderSource probeSource(const scene::Scene& scene, const Subject& subject, const BuildOptions& options);

@@ -68,6 +68,9 @@ class Subject {
     /// Adds GLSL that implements an interface. @throws Error (BadInput) for a user's file that lacks what is needed.
     virtual void addSource(gpu::ShaderSource& source, const scene::Scene& scene, const BuildOptions& options) const = 0;
 
+    /// What that source depends on beside the scene's parameters: when this changes, kernels are made anew.
+    virtual std::string variant() const { return {}; }
+
     /// Sets the uniforms and textures behind that source. Positions in the shader are relative to the camera.
     virtual void bind(gpu::Kernel& kernel, const scene::Scene& scene) const = 0;
 

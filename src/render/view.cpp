@@ -99,7 +99,6 @@ void View::upload(gpu::Kernel& kernel) const {
     kernel.set("camera_lens", lens_);
     kernel.set("camera_focus", focus_);
     kernel.set("camera_blades", blades_);
-    kernel.set("light_count", static_cast<int>(lightKinds_.size()));
     if (!lightKinds_.empty()) {
         kernel.set("light_kind", std::span<const int>(lightKinds_));
         kernel.set("light_place", std::span<const glm::vec4>(lightPlaces_));

@@ -1,6 +1,7 @@
 #include "session/session.hpp"
 
 #include "core/error.hpp"
+#include "render/kernel_sources.hpp"
 #include "session/subjects.hpp"
 
 #include <fmt/format.h>
@@ -123,6 +124,7 @@ void Session::apply(parameter::Invalidates what, bool sizeChanged) {
     std::unique_ptr<render::Subject> subject;
     std::unique_ptr<render::Renderer> renderer;
     std::unique_ptr<post::Chain> chain;
+    std::string variant;
     {
         const Phases::Scope scope(statistics_.phases, "compile");
         const std::string& name = scene_.subject.type().name;
@@ -137,6 +139,8 @@ void Session::apply(parameter::Invalidates what, bool sizeChanged) {
             current.prepare(context_, scene_);
             frame(current, size);
         }
+        variant = render::variantOf(scene_, current);
+        if (variant != variant_) what = Invalidates::Program;
         if (what == Invalidates::Program || sizeChanged || subject) {
             renderer = render::makeRenderer(context_, cache_, build_, scene_, current, size);
         }
@@ -156,6 +160,7 @@ void Session::apply(parameter::Invalidates what, bool sizeChanged) {
         subjectName_ = scene_.subject.type().name;
     }
     const bool fresh = renderer != nullptr;
+    variant_ = std::move(variant);
     if (fresh) {
         renderer_ = std::move(renderer);
         picture_->mean = picture_->spread = nullptr; // they were the old one's
@@ -183,8 +188,8 @@ parameter::Invalidates Session::replace(scene::Scene scene, parameter::Invalidat
         rest.camera = scene_.camera;
         what = scene::strongest(parameter::Invalidates::Present, scene::difference(scene_, rest));
     }
-    // A specialised session's kernels hold these parts' values as constants; cameras, lights and sizes are uniforms
-    // always.
+    // A specialised session's kernels hold these parts' values as constants; cameras, lights but for
+    // their number and kinds (render::variantOf()), and sizes are uniforms always.
     const bool constants = differInConstants(scene.subject, scene_.subject) || scene.slots != scene_.slots ||
                            scene.renderer != scene_.renderer || scene.environment != scene_.environment;
     if (what == parameter::Invalidates::Samples && build_.specialise && constants)

@@ -205,6 +205,7 @@ class Session {
     std::unique_ptr<render::Subject> subject_;
     std::string subjectName_;
     std::unique_ptr<render::Renderer> renderer_;
+    std::string variant_; ///< render::variantOf() that it was made for
     std::unique_ptr<render::Picture> picture_;
     std::unique_ptr<render::Picture> before_;   ///< the picture of before the camera moved ...
     std::optional<scene::Camera> cameraBefore_; ///< ... and its camera; none: there is none

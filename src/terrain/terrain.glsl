@@ -68,8 +68,7 @@ bool surface_trace(Ray ray, out Hit hit) {
             hit.t = length(seen.xyz - ray.origin);
         }
     }
-    // A loop of at most one turn: rasterisers on the CPU compute both sides of an `if`.
-    for (int i = 0; i < (terrain_seen ? 0 : 1); ++i) {
+    if (!terrain_seen) {
         float t;
         found = terrain_march(ray, t);
         hit.t = t;
@@ -86,7 +85,7 @@ float surface_clear(Ray cone) {
 
 vec3 surface_normal(Hit hit, vec3 direction) {
     vec2 slope = terrain_slope.xy;
-    for (int i = 0; i < (terrain_seen ? 0 : 1); ++i) {
+    if (!terrain_seen) {
         int k = terrain_clip_level(hit.position.xy, hit.footprint);
         float s = terrain_clip_spacing(k);
         slope.x = terrain_ground(hit.position.xy + vec2(s, 0.0), k) - terrain_ground(hit.position.xy - vec2(s, 0.0), k);

@@ -3,17 +3,27 @@
 //
 // The engine adds: const bool volume_halves, whether values are half floats; else they are normalised bytes.
 
-uniform usampler3D volume_corners; // texel (i, j, k): voxels (i - 1, j - 1, k - 1) to (i, j, k), x first; those beyond the border as on it
+uniform usampler3D volume_corners; // nearest; texel (i, j, k): voxels (i - 1, j - 1, k - 1) to (i, j, k), x first; those beyond the border as on it
 
 vec4 volume_bytes(uint four) { return vec4(uvec4(four, four >> 8, four >> 16, four >> 24) & 255u); }
 
-ivec3 volume_texel(ivec3 c) { return (c >> 1) * ivec3(8, 1, 1) + ivec3((c.x & 1) + 2 * (c.y & 1) + 4 * (c.z & 1), 0, 0); }
+uniform vec3 volume_corners_step;  // 1 / its size
+
+vec3 frame_corners_step;
+void volume_frame_values() { frame_corners_step = volume_corners_step; }
+
+// Where it is in the texture, 0..1.
+vec3 volume_texel(vec3 c) {
+    vec3 pair = floor(0.5 * c);
+    vec3 odd = c - 2.0 * pair;
+    return (pair * vec3(8.0, 1.0, 1.0) + (vec3(dot(odd, vec3(1.0, 2.0, 4.0)), 0.0, 0.0) + 0.5)) * frame_corners_step;
+}
 
 vec4 volume_stored(vec3 place) {
-    vec3 p = clamp(place + 0.5, vec3(0.0), volume_size + 0.5);
+    vec3 p = clamp(place + 0.5, vec3(0.0), frame_size + 0.5);
     vec3 cell = floor(p);
     vec3 f = p - cell;
-    uvec4 corners = texelFetch(volume_corners, volume_texel(ivec3(cell)), 0);
+    uvec4 corners = textureLod(volume_corners, volume_texel(cell), 0.0);
     vec4 low;
     vec4 high;
     if (volume_halves) {

@@ -2,10 +2,12 @@
 
 uniform sampler3D volume_data; // stored values, up to 4 channels
 
+void volume_frame_values() {}
+
 vec4 volume_texel(ivec3 at) { return texelFetch(volume_data, clamp(at, ivec3(0), ivec3(volume_size) - 1), 0); }
 
 vec4 volume_stored(vec3 place) {
-    if (!volume_manual) return textureLod(volume_data, place / volume_size, 0.0);
+    if (!volume_manual) return textureLod(volume_data, place / frame_size, 0.0);
     vec3 p = place - 0.5;
     vec3 cell = floor(p);
     vec3 f = p - cell;

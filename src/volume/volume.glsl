@@ -4,7 +4,8 @@
 // A measured volume as `field` and `medium`: values interpolated between voxels, then looked up in the transfer function. Its own
 // coordinates are those of the grid: voxel (i, j, k) is the box from (i, j, k) to (i, j, k) + 1, its centre in the middle.
 //
-// The engine adds: const int volume_channels; const bool volume_manual; const float volume_brick; and how values are read.
+// The engine adds: const int volume_channels; const bool volume_manual, volume_steep (gradients have a part in the transfer function),
+// volume_glows (there is light of the volume's own); const float volume_brick; and how values are read.
 
 uniform float density;    //! 100 [0, 1e6] log | Extinction where the transfer function's opacity is 1, per longest side of the volume
 uniform float anisotropy; //! 0 [-0.99, 0.99] | Mean cosine of scattering: below 0 back, 0 to all sides, above 0 forwards (Henyey & Greenstein)
@@ -20,11 +21,40 @@ uniform vec3 volume_size;          // [voxels]
 uniform vec4 volume_scale;         // a stored value times this ...
 uniform vec4 volume_offset;        // ... plus this is its place in the transfer function, 0..1 (of each channel)
 uniform vec4 volume_gradient;      // a gradient's length [places per world unit] times this is its place in the transfer function, 0..1
-uniform int volume_rows;           // of the transfer function for each channel; 1: gradients have no part in it
-uniform bool volume_glows;         // whether there is light of the volume's own
+uniform vec3 volume_brick_count;    // in volume_bricks and volume_ranges
+uniform vec2 volume_transfer_size; // [texels]
+uniform int volume_rows;           // of the transfer function for each channel
 uniform sampler2D volume_glow;     // radiance that a thick layer gives off by itself, as the transfer function is
 uniform float volume_unit;         // 1 / longest side [1/world unit]
 uniform float volume_spacing;      // least distance of neighbouring voxels [world unit]
+
+// What marches ask for again and again, from uniforms: llvmpipe reads these for each pixel by itself, every time.
+vec3 frame_size;        // volume_size
+vec3 frame_brick_count; // volume_brick_count ...
+vec3 frame_brick_step;  // ... and 1 / that
+vec2 frame_table_last;  // of the transfer function's texels: column, and row of one channel
+vec2 frame_table_step;  // 1 / its size
+vec4 frame_scale;       // volume_scale
+vec4 frame_offset;      // volume_offset
+float frame_spacing;    // volume_spacing
+float frame_density;    // extinction where the opacity is 1 [1/world unit]
+
+// Sets those of the file with the values.
+void volume_frame_values();
+
+// Before anything is marched or looked up.
+void volume_frame() {
+    frame_size = volume_size;
+    frame_brick_count = volume_brick_count;
+    frame_brick_step = 1.0 / volume_brick_count;
+    frame_table_last = vec2(volume_transfer_size.x - 1.0, float(volume_rows - 1));
+    frame_table_step = 1.0 / volume_transfer_size;
+    frame_scale = volume_scale;
+    frame_offset = volume_offset;
+    frame_spacing = volume_spacing;
+    frame_density = density * volume_unit;
+    volume_frame_values();
+}
 
 vec3 volume_place(vec3 position) { return volume_to_grid * position + volume_camera; }
 
@@ -35,7 +65,7 @@ vec4 volume_stored(vec3 place);
 float volume_reach(vec3 place);
 
 // Places in the transfer function, 0..1.
-vec4 volume_values(vec3 place) { return volume_stored(place) * volume_scale + volume_offset; }
+vec4 volume_values(vec3 place) { return volume_stored(place) * frame_scale + frame_offset; }
 
 float volume_largest(vec4 values) {
     float most = values.x;
@@ -52,7 +82,7 @@ vec3 volume_slope(vec3 place, int channel) {
     for (int i = 0; i < 3; ++i) {
         vec3 aside = reach * vec3(i == 0, i == 1, i == 2);
         vec4 d = volume_stored(place + aside) - volume_stored(place - aside);
-        slope[i] = 0.5 / reach * d[channel] * volume_scale[channel];
+        slope[i] = 0.5 / reach * d[channel] * frame_scale[channel];
     }
     return slope;
 }
@@ -63,7 +93,7 @@ vec3 volume_world_gradient(vec3 place) {
     float reach = volume_reach(place);
     for (int i = 0; i < 3; ++i) {
         vec3 aside = reach * vec3(i == 0, i == 1, i == 2);
-        vec4 d = (volume_stored(place + aside) - volume_stored(place - aside)) * volume_scale;
+        vec4 d = (volume_stored(place + aside) - volume_stored(place - aside)) * frame_scale;
         float sum = d.x;
         if (volume_channels > 1) sum += d.y;
         if (volume_channels > 2) sum += d.z;
@@ -74,23 +104,22 @@ vec3 volume_world_gradient(vec3 place) {
 }
 
 // The texel of the transfer function that is nearest to a value and a gradient, both 0..1 over its domain.
-ivec2 volume_entry(int channel, float value, float gradient) {
-    int width = textureSize(volume_transfer, 0).x;
-    int x = int(clamp(value, 0.0, 1.0) * float(width - 1) + 0.5);
-    int y = int(clamp(gradient, 0.0, 1.0) * float(volume_rows - 1) + 0.5);
-    return ivec2(x, channel * volume_rows + y);
+// (Looked up by place, not by texelFetch(), as all that is asked for often: Mesa's llvmpipe works out a level for each of the latter.)
+vec2 volume_entry(int channel, float value, float gradient) {
+    vec2 texel = clamp(vec2(value, gradient), 0.0, 1.0) * frame_table_last;
+    texel.y = volume_steep ? floor(texel.y + 0.5) : 0.0;
+    texel.y += float(channel) * (frame_table_last.y + 1.0);
+    return (texel + 0.5) * frame_table_step;
 }
 
 vec4 volume_lookup(int channel, float value, float gradient) {
-    return texelFetch(volume_transfer, volume_entry(channel, value, gradient), 0);
+    return textureLod(volume_transfer, volume_entry(channel, value, gradient), 0.0);
 }
 
 // The gradient's place in the transfer function, where that has a use for it.
 float volume_steepness(vec3 place, int channel) {
-    float steepness = 0.0;
-    for (int i = 0; i < int(volume_rows > 1); ++i)
-        steepness = length(volume_slope(place, channel) * volume_to_grid) * volume_gradient[channel];
-    return steepness;
+    if (!volume_steep) return 0.0;
+    return length(volume_slope(place, channel) * volume_to_grid) * volume_gradient[channel];
 }
 
 // Colour, and opacity: those of all channels add, and their colours mix by them.
@@ -108,18 +137,19 @@ vec4 volume_appearance(vec3 place) {
 // Light of the volume's own: the glow of all channels, weighted by their opacities, and the part of the colour that is set.
 vec3 volume_emission(vec3 place, vec4 seen) {
     vec3 sum = vec3(0.0);
-    for (int n = 0; n < int(volume_glows && seen.a > 0.0); ++n) {
+    if (volume_glows && seen.a > 0.0) {
         vec4 values = volume_values(place);
         for (int i = 0; i < volume_channels; ++i) {
-            ivec2 entry = volume_entry(i, values[i], volume_steepness(place, i));
-            float part = volume_channels == 1 ? 1.0 : texelFetch(volume_transfer, entry, 0).a / seen.a;
-            sum += part * texelFetch(volume_glow, entry, 0).rgb;
+            vec2 entry = volume_entry(i, values[i], volume_steepness(place, i));
+            float part = volume_channels == 1 ? 1.0 : textureLod(volume_transfer, entry, 0.0).a / seen.a;
+            sum += part * textureLod(volume_glow, entry, 0.0).rgb;
         }
     }
     return sum + emission * seen.rgb;
 }
 
 MediumRay volume_path(Ray ray) {
+    volume_frame();
     vec3 d = volume_to_grid * ray.direction;
     // Directions along an axis: a tiny one instead of 0, whose inverse is a number.
     float least = 1e-9 * max(abs(d.x), max(abs(d.y), abs(d.z)));
@@ -153,41 +183,41 @@ const float volume_nudge = 2e-3;
 
 vec3 volume_brick_at(MediumRay path, float t) {
     vec3 place = (path.origin + t * path.direction + volume_nudge * sign(path.inverse)) * (1.0 / volume_brick);
-    return clamp(floor(place), vec3(0.0), vec3(textureSize(volume_bricks, 0) - 1));
+    return clamp(floor(place), vec3(0.0), frame_brick_count - 1.0);
 }
 
 // Where the path leaves the bricks of which the outermost are `reach` away from this one.
 float volume_brick_end(MediumRay path, float t, vec3 brick, float reach) {
     vec3 border = (brick + 0.5 + sign(path.inverse) * (0.5 + reach)) * volume_brick;
     vec3 ends = (border - path.origin) * path.inverse;
-    // Always on: where rounding leaves no way to the border, by a part of a voxel.
-    return max(min(ends.x, min(ends.y, ends.z)), t + 0.25 * volume_nudge * volume_spacing);
+    // Always on: where rounding leaves no way to the border, by a part of a voxel, or from far away by what a number can tell.
+    return max(min(ends.x, min(ends.y, ends.z)), t + max(0.25 * volume_nudge * frame_spacing, 3e-7 * abs(t)));
 }
 
 void volume_segment(sampler3D bricks, MediumRay path, float t, out float t_end, out float most) {
     vec3 brick = volume_brick_at(path, t);
-    most = texelFetch(bricks, ivec3(brick), 0).x;
+    most = textureLod(bricks, (brick + 0.5) * frame_brick_step, 0.0).x;
     t_end = volume_brick_end(path, t, brick, max(-most, 1.0) - 1.0);
 }
 
 void medium_segment(MediumRay path, float t, out float t_end, out float majorant) {
     float most;
     volume_segment(volume_bricks, path, t, t_end, most);
-    majorant = max(most, 0.0) * (density * volume_unit);
+    majorant = max(most, 0.0) * frame_density;
 }
 
 vec4 medium_look(vec3 place) {
     vec4 seen = volume_appearance(place);
-    return vec4(seen.rgb, seen.a * (density * volume_unit));
+    return vec4(seen.rgb, seen.a * frame_density);
 }
 
 Medium medium_at(vec3 place, vec4 look) {
-    vec4 seen = vec4(look.rgb, look.a / max(density * volume_unit, 1e-30));
+    vec4 seen = vec4(look.rgb, look.a / max(frame_density, 1e-30));
     Medium m = Medium(look.a, look.rgb, volume_emission(place, seen), vec3(0.0), 0.0);
-    for (int i = 0; i < int(surfaces > 0.0); ++i) {
+    if (surfaces > 0.0) {
         vec3 gradient = volume_world_gradient(place);
         float slope = length(gradient);
-        if (slope <= 0.0) continue;
+        if (slope <= 0.0) return m;
         m.normal = -gradient / slope;
         // Kroes, Post & Botha (2012), eq. 4: the more opaque and the steeper, the more of a surface it is.
         m.surface = seen.a * (1.0 - exp(-surfaces * slope / volume_unit * 0.02));
@@ -216,7 +246,7 @@ vec2 field_range(Ray ray, float t, out float t_end) {
     MediumRay path = volume_path(ray);
     vec3 brick = volume_brick_at(path, t);
     t_end = volume_brick_end(path, t, brick, 0.0);
-    return texelFetch(volume_ranges, ivec3(brick), 0).xy;
+    return textureLod(volume_ranges, (brick + 0.5) * frame_brick_step, 0.0).xy;
 }
 
 float field_value(vec3 position) { return clamp(volume_largest(volume_values(volume_place(position))), 0.0, 1.0); }
@@ -225,11 +255,11 @@ vec3 field_tint(float value) { return volume_lookup(0, value, 1.0).rgb; }
 
 vec4 field_color(vec3 position) {
     vec4 seen = volume_appearance(volume_place(position));
-    return vec4(seen.rgb, seen.a * (density * volume_unit));
+    return vec4(seen.rgb, seen.a * frame_density);
 }
 
 vec3 field_emission(vec3 position, vec4 color) {
-    return volume_emission(volume_place(position), vec4(color.rgb, color.a / max(density * volume_unit, 1e-30)));
+    return volume_emission(volume_place(position), vec4(color.rgb, color.a / max(frame_density, 1e-30)));
 }
 
 // Outside there is nothing: where things are cut off by the box, that is their surface.
@@ -238,7 +268,7 @@ vec3 field_gradient(vec3 position) {
     vec3 slope = volume_world_gradient(place);
     vec3 below = vec3(lessThan(place, vec3(0.75)));
     vec3 above = vec3(greaterThan(place, volume_size - 0.75));
-    for (int i = 0; i < int(any(greaterThan(below + above, vec3(0.0)))); ++i)
+    if (any(greaterThan(below + above, vec3(0.0))))
         slope += (0.5 * max(volume_largest(volume_values(place)), 0.0) * (below - above)) * volume_to_grid;
     return slope;
 }

@@ -28,8 +28,7 @@ void clip_half_space(vec3 normal, float offset, vec3 origin, vec3 direction, ino
 
 // The part of a ray that is left; nothing where near > far.
 void volume_clip(vec3 origin, vec3 direction, inout float near, inout float far) {
-    // Loops of at most one turn: rasterisers on the CPU skip an empty loop, but compute both sides of an `if`.
-    for (int i = 0; i < int(clip); ++i) {
+    if (clip) {
         for (int axis = 0; axis < 3; ++axis) {
             vec3 normal = vec3(axis == 0, axis == 1, axis == 2);
             clip_half_space(normal, clip_high[axis] - clip_camera[axis], origin, direction, near, far);

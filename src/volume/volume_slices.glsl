@@ -30,8 +30,7 @@ vec4 slice_look(vec3 place) {
 
 Slice slice_next(Ray ray, float t) {
     Slice slice = Slice(1e30, vec4(0.0));
-    // A loop of at most one turn: where no slice is shown, it costs nothing.
-    for (int n = 0; n < int(slice_x || slice_y || slice_z || slice_oblique); ++n) {
+    if (slice_x || slice_y || slice_z || slice_oblique) {
         for (int i = 0; i < 4; ++i) {
             if (!(i == 0 ? slice_x : i == 1 ? slice_y : i == 2 ? slice_z : slice_oblique)) continue;
             vec4 plane = slice_planes[i];

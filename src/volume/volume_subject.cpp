@@ -504,8 +504,10 @@ class VolumeSubject : public render::Subject {
         const bool manual = scene.subject.choice("interpolation") == 0 && !filterable();
         source.addText("the volume's kind",
                        fmt::format("const int volume_channels = {};\nconst bool volume_manual = {};\n"
+                                   "const bool volume_steep = {};\nconst bool volume_glows = {};\n"
                                    "const float volume_brick = {}.0;\n",
-                                   grid_->volume->channels, manual, grid_->ranges.side));
+                                   grid_->volume->channels, manual, transfer_.rows > 1, transfer_.glows,
+                                   grid_->ranges.side));
         for (const auto& file : scene.subject.files()) {
             source.addModule(*file, "subject_", scene.subject, "subject", options.specialise,
                              gpu::ShaderSource::Rename::Parameters);
@@ -517,6 +519,14 @@ class VolumeSubject : public render::Subject {
         source.addFile(grid_->stream ? kBrickedFile : cornersUsed(scene) ? kCornersFile : kSampledFile);
     }
 
+    std::string variant() const override {
+        return fmt::format("{}{}{}{}{}", grid_->volume->channels, transfer_.rows > 1, transfer_.glows,
+                           grid_->ranges.side,
+                           grid_->stream    ? 2
+                           : grid_->corners ? 1
+                                            : 0);
+    }
+
     void bind(gpu::Kernel& kernel, const scene::Scene& scene) const override {
         const Grid& grid = *grid_;
         kernel.setParameters("subject", scene.subject);
@@ -525,14 +535,16 @@ class VolumeSubject : public render::Subject {
             kernel.set("volume_pages", grid.stream->pages());
         } else if (cornersUsed(scene)) {
             kernel.set("volume_corners", *grid.corners);
+            kernel.set("volume_corners_step", 1.0F / glm::vec3(grid.corners->size()));
         } else {
             kernel.set("volume_data", grid.texture);
         }
         kernel.set("volume_bricks", transfer_.bricks);
         kernel.set("volume_ranges", transfer_.ranges);
         kernel.set("volume_transfer", transfer_.table);
+        kernel.set("volume_transfer_size", glm::vec2(transfer_.table.size()));
+        kernel.set("volume_brick_count", glm::vec3(transfer_.bricks.size()));
         kernel.set("volume_rows", transfer_.rows);
-        kernel.set("volume_glows", transfer_.glows);
         kernel.set("volume_glow", transfer_.glow);
         kernel.set("volume_iso", static_cast<float>(iso_.place));
         kernel.set("volume_iso_bricks", iso_.bricks);

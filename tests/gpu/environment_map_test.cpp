@@ -3,6 +3,7 @@
 #include "gpu_support.hpp"
 #include "render/environment_distribution.hpp"
 #include "render/environment_picture.hpp"
+#include "render/kernel_sources.hpp"
 #include "render/picture_source.hpp"
 
 #include <cmath>
@@ -52,8 +53,7 @@ class EnvironmentMapTest : public testing::Test {
     /// Radiance in a direction.
     static glm::dvec3 seen(const scene::Scene& scene, const glm::vec3& direction) {
         gpu::ShaderSource source;
-        source.addFile("render/glsl/environment.glsl");
-        source.addModule(scene.environment.module("type"), "environment_", scene.environment, "environment", false);
+        render::addEnvironment(source, scene, false);
         source.addText("look", "uniform vec3 look;\nvoid kernel_main(ivec2 pixel, out vec4 color) {\n"
                                "    color = vec4(environment_radiance(look), 1.0);\n}\n");
         const render::EnvironmentPicture picture(context(), scene);

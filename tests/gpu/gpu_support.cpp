@@ -117,9 +117,8 @@ std::vector<Image<float>> runOnScene(const scene::Scene& scene, const std::strin
     }
     gpu::ShaderSource source;
     source.addFile("render/glsl/camera.glsl");
-    source.addFile("render/glsl/environment.glsl");
     source.addFile("render/glsl/brdf.glsl");
-    source.addModule(scene.environment.module("type"), "environment_", scene.environment, "environment", true);
+    render::addEnvironment(source, scene, true);
     subject->addSource(source, scene, {gpu::Stage::Fragment, true});
     source.addText("test", text);
     const render::View view(

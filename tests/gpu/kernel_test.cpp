@@ -122,8 +122,12 @@ std::vector<NamedKernel> allKernels() {
     }
     for (const std::string& integrator : integrators) {
         kernels.push_back({"integrate " + integrator, render::integrateSource(integrator)});
-        for (const char* kind : {"", "_moved"})
-            kernels.push_back({"present " + integrator + kind, render::presentSource(integrator + kind)});
+        for (const bool accumulated : {false, true}) {
+            for (const auto& [points, history] : {std::pair(false, false), {true, false}, {true, true}}) {
+                kernels.push_back({fmt::format("present {} {} {} {}", integrator, accumulated, points, history),
+                                   render::presentSource(integrator, {accumulated, points, history})});
+            }
+        }
     }
     for (const char* pass : {"grid", "histogram", "result"})
         kernels.push_back({std::string("meter ") + pass, post::Meter::source(pass)});

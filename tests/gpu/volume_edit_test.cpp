@@ -140,6 +140,37 @@ TEST_P(VolumeEdits, show_a_full_picture_in_the_next_step) {
     }
 }
 
+TEST(VolumeEdit, that_needs_other_kernels_shows_what_a_new_session_shows) {
+    for (const char* renderer : {"mcm", "eam"}) {
+        scene::Scene scene = shell(renderer);
+        setAll(scene, {{"output.width", "24"}, {"output.height", "24"}, {"output.samples", "2"}});
+        session::Session session(context(), scene, {.stage = {}, .specialise = false});
+        for (const auto& [path, value] :
+             {std::pair{"lights", "[]"},
+              {"lights", R"([{"type": "point", "position": [30, -40, 20], "intensity": 3000, "radius": 4}])"},
+              {"lights", R"([{"type": "rectangle", "position": [40, -40, 10], "width": 20, "height": 20,
+                  "intensity": 3000, "visible": true}, {"type": "sun", "intensity": 2}])"},
+              // Two rows of cells of the distribution have all the light: 4 times the mean and more.
+              {"environment", R"({"type": "gradient", "top": [20, 20, 20], "horizon": [0, 0, 0], "bottom": [0, 0, 0],
+                  "sharpness": 0.1})"},
+              {"environment", R"({"type": "constant", "color": [0.4, 0.4, 0.4]})"},
+              {"subject.transfer", R"({"window": "none", "shapes": [{"type": "box", "center": [0.5, 0.5],
+                  "size": [0.8, 0.9], "color": "#80ff40", "opacity": 0.8}]})"},
+              {"subject.transfer", R"({"window": "none", "points": [{"value": 0, "opacity": 0}, {"value": 1,
+                  "color": "#4080ff", "opacity": 1, "emission": 2}]})"},
+              {"subject.transfer", R"({"window": "none", "points": [{"value": 0, "opacity": 0},
+                  {"value": 1, "opacity": 1}]})"}}) {
+            const Image<float> before = session.picture();
+            scene.set(path, Json::parse(value));
+            session.set(path, std::string_view(value));
+            finish(session);
+            const auto anew = rendered(scene, {.stage = {}, .specialise = false});
+            EXPECT_TRUE(identical(session.picture(), anew->picture())) << renderer << ": " << path << " " << value;
+            EXPECT_FALSE(identical(session.picture(), before)) << renderer << ": " << path << " " << value;
+        }
+    }
+}
+
 TEST(VolumeEdit, of_how_the_picture_is_shown_keeps_the_samples) {
     scene::Scene scene = shell("mcm");
     scene.set("output.samples", Json(1000));

@@ -41,11 +41,10 @@ vec3 doubled(ivec2 texel) {
 
 void kernel_main(ivec2 pixel, out vec4 color) {
     vec4 here = texelFetch(effect_same, pixel, 0);
-    // (Loops of at most one turn: rasterisers on the CPU skip an empty loop, but not an `if`.)
-    for (int i = effect_pass < effect_levels ? 0 : 1; i < 1; ++i)
+    if (effect_pass < effect_levels) {
         // The last level begins the sum.
         color = vec4(halved(pixel) * (effect_level == effect_levels ? part_of(effect_levels) : 1.0), 1.0);
-    for (int i = effect_pass < effect_levels ? 1 : 0; i < 1; ++i) {
+    } else {
         vec3 sum = part_of(effect_level) * here.rgb;
         if (effect_levels > 0) sum += doubled(pixel);
         color = effect_level > 0 ? vec4(sum, 1.0) : vec4(mix(here.rgb, sum, strength), here.a);

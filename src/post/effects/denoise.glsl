@@ -43,7 +43,7 @@ vec4 begin(ivec2 pixel) {
     float sum = 0.0;
     float squares = 0.0;
     float weight = 0.0;
-    for (int i = 0; i < 49; ++i) {
+    for (int i = 0; i < 49 && effect_pass == 0; ++i) {
         ivec2 step = ivec2(i - 7 * int((float(i) + 0.5) / 7.0), int((float(i) + 0.5) / 7.0)) - 3;
         ivec2 q = inside(pixel + step);
         float w = alike(pixel, q, here, hit, length(vec2(step)));
@@ -84,7 +84,7 @@ vec4 smoothed(ivec2 pixel, int reach) {
     vec3 sum = own.rgb * 0.140625; // (3/8)²
     float variance = own.w * 0.140625 * 0.140625;
     float weight = 0.140625;
-    for (int i = 0; i < 25; ++i) {
+    for (int i = 0; i < 25 && effect_pass > 0 && effect_pass < 6; ++i) {
         int row = int((float(i) + 0.5) / 5.0);
         ivec2 step = ivec2(i - 5 * row, row) - 2;
         ivec2 q = pixel + reach * step;
@@ -103,9 +103,9 @@ vec4 smoothed(ivec2 pixel, int reach) {
 
 void kernel_main(ivec2 pixel, out vec4 color) {
     color = vec4(0.0);
-    // Loops of at most one turn: rasterisers on the CPU compute both sides of an `if`.
-    for (int i = 0; i < int(effect_pass == 0); ++i) color = begin(pixel);
-    for (int i = 0; i < int(effect_pass > 0 && effect_pass < 6); ++i) color = smoothed(pixel, 1 << (effect_pass - 1));
-    for (int i = 0; i < int(effect_pass == 6); ++i)
+    // (Rasterisers on the CPU compute all of it: the loops know what pass it is, too.)
+    if (effect_pass == 0) color = begin(pixel);
+    if (effect_pass > 0 && effect_pass < 6) color = smoothed(pixel, 1 << (effect_pass - 1));
+    if (effect_pass == 6)
         color = vec4(effect_at(pixel).rgb * texture_of(pixel), texelFetch(effect_input, pixel, 0).a);
 }

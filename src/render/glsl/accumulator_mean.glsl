@@ -12,6 +12,7 @@ uniform sampler2D accumulator_normal;
 uniform sampler2D accumulator_albedo;
 uniform int estimate_factor;  // of interleaving: sub-images are factor x factor
 uniform ivec2 estimate_block; // size of one sub-image
+uniform ivec2 estimate_origin; // where the first one lies
 
 // The cell of factor x factor pixels that a pixel belongs to. Integer division is slow everywhere; this one is exact.
 ivec2 estimate_cell(ivec2 pixel) { return ivec2((vec2(pixel) + 0.5) / float(estimate_factor)); }
@@ -19,5 +20,5 @@ ivec2 estimate_cell(ivec2 pixel) { return ivec2((vec2(pixel) + 0.5) / float(esti
 // Where the estimate of a pixel is stored.
 ivec2 estimate_texel(ivec2 pixel) {
     ivec2 cell = estimate_cell(pixel);
-    return (pixel - estimate_factor * cell) * estimate_block + cell;
+    return (pixel - estimate_factor * cell) * estimate_block + cell + estimate_origin;
 }

@@ -21,8 +21,7 @@ vec2 camera_jitter(ivec2 pixel) {
     vec2 u = random_pair(pixel, 0u);
     vec2 v = 2.0 * u;
     vec2 jitter = camera_filter == 0 ? u - 0.5 : mix(1.0 - sqrt(2.0 - v), sqrt(v) - 1.0, vec2(lessThan(v, vec2(1.0))));
-    // A loop of at most one turn: rasterisers on the CPU skip an empty loop, but not an `if`.
-    for (int i = camera_filter == 2 ? 0 : 1; i < 1; ++i) {
+    if (camera_filter == 2) {
         // Gaussian of sigma 0.45 px by Box & Muller (1958), cut off at 1.5 px.
         float radius = min(0.45 * sqrt(-2.0 * log(max(1.0 - u.x, 1e-6))), 1.5);
         float angle = 6.283185307 * u.y;
@@ -61,8 +60,7 @@ vec2 camera_lens_point(vec2 u) {
 // the picture meet in the plane of focus (the thin lens of Potmesil & Chakravarty 1981; distributed rays of Cook, Porter & Carpenter 1984).
 Ray camera_sample(ivec2 pixel) {
     Ray ray = camera_ray(vec2(pixel) + 0.5 + camera_jitter(pixel));
-    // A loop of at most one turn: rasterisers on the CPU skip an empty loop, but not an `if`.
-    for (int i = camera_lens > 0.0 ? 0 : 1; i < 1; ++i) {
+    if (camera_lens > 0.0) {
         vec3 lens = camera_basis * vec3(camera_lens * (camera_shift.z > 0.0 ? camera_shift_lens : camera_lens_point(random_pair(pixel, 2u))), 0.0);
         float along = camera_focus / max(-dot(ray.direction, camera_basis[2]), 1e-6);
         ray.direction = normalize(along * ray.direction - lens);

@@ -6,7 +6,6 @@
 // x: part of the row's light up to and with this cell, y: probability per solid angle [1/sr],
 // z: part of all light up to and with this row, w: mean radiance of the whole environment
 uniform sampler2D environment_distribution;
-uniform float environment_peak; // the largest probability there is, relative to that of a uniform distribution
 
 float environment_mean() { return texelFetch(environment_distribution, ivec2(0), 0).w; }
 

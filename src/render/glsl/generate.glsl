@@ -19,8 +19,8 @@ float generate_error(ivec2 pixel) {
 }
 
 // A pixel is done when all around it are, too: its own few samples may by chance have missed what varies. Where there is no limit
-// the loop has no turn at all: rasterisers on the CPU would compute both sides of an `if`. Its bound is not a constant, lest compilers
-// unroll it: then every sample reads 18 texels for nothing.
+// the loop has no turn. Its bound is not a constant, lest compilers unroll it: rasterisers on the CPU, which compute what no pixel needs,
+// would read 18 texels for each sample then instead of two.
 bool generate_done(ivec2 pixel) {
     bool done = error_limit > 0.0;
     int neighbours = done ? 9 : 0;

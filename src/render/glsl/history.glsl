@@ -3,12 +3,13 @@
 // The picture of before the camera moved: where in it is what a pixel shows now? By reprojection against the motion (Nehab et al. 2007,
 // "Accelerating Real-Time Shading with Reverse Reprojection Caching"), the place found by fixed-point iteration (Bowles et al. 2012,
 // "Iterative Image Warping").
+//
+// The engine adds: const bool history_there: there is such a picture.
 
 uniform sampler2D history_radiance;
 uniform sampler2D history_geometry;
 uniform sampler2D history_albedo;
 uniform sampler2D history_point;   // what each pixel shows: xyz from that camera, w 1; or background: direction, w 0
-uniform bool history_there;        // there is such a picture
 uniform mat3 history_basis;        // its camera, as camera_basis and camera_extent
 uniform float history_extent;
 uniform vec3 history_offset;       // from the camera now to the one of then

@@ -13,8 +13,7 @@ void kernel_main(ivec2 pixel, out vec4 mean, out vec4 spread, out vec4 normal, o
     spread = vec4(0.0);
     normal = vec4(0.0);
     albedo = vec4(0.0);
-    // A loop of at most one turn: rasterisers on the CPU skip an empty loop, but not an `if`.
-    for (int i = accumulator_empty ? 1 : 0; i < 1; ++i) {
+    if (!accumulator_empty) {
         mean = texelFetch(accumulator_mean, pixel, 0);
         spread = texelFetch(accumulator_spread, pixel, 0);
         normal = texelFetch(accumulator_normal, pixel, 0);

@@ -1,7 +1,10 @@
 // The scene's lights.
+//
+// The engine adds: const int light_count; const bool light_discs (some are suns or points), light_panels (some are rectangles),
+// light_local (some are not suns), light_shown (some rectangles are seen by the camera). Uniforms would do, but rasterisers on the CPU
+// compute what no pixel needs.
 
 const int light_max = 8;
-uniform int light_count;
 uniform int light_kind[light_max];     // 0 sun, 1 point, 2 rectangle
 uniform vec4 light_place[light_max];   // sun: unit direction towards it; others: position relative to the camera; w: tangent of the
                                        // sun's angular radius, the point light's radius, or 1 for a rectangle that the camera sees
@@ -17,7 +20,7 @@ struct LightSample {
     vec3 irradiance; // on a surface that faces it, unoccluded
 };
 
-bool light_flat(int i) { return light_kind[i] == 2; }
+bool light_flat(int i) { return light_panels && (!light_discs || light_kind[i] == 2); }
 
 // A rectangle as it is seen from a place, with coordinates along its sides and away from it (Urena, Fajardo & King 2013, "An
 // Area-Preserving Parametrization for Spherical Rectangles", section 4).
@@ -93,9 +96,9 @@ vec3 light_panel_sample(LightPanel panel, vec2 u) {
 // point light is the sphere that it is; within the sphere it is as bright as just outside. Rectangles go by their centre and, all
 // around it, the sphere that holds them.
 LightSample light_at(int i, vec3 position) {
-    if (light_kind[i] == 0) return LightSample(light_place[i].xyz, 1e30, light_place[i].w, light_color[i]);
+    if (!light_local || light_kind[i] == 0) return LightSample(light_place[i].xyz, 1e30, light_place[i].w, light_color[i]);
     vec3 to = light_place[i].xyz - position;
-    for (int n = 0; n < int(light_flat(i)); ++n) {
+    if (light_flat(i)) {
         float d2 = max(dot(to, to), 1e-30);
         float radius = length(vec2(light_x[i].w, light_y[i].w));
         return LightSample(to * inversesqrt(d2), sqrt(d2), radius * inversesqrt(d2), light_color[i] * light_panel(i, position).solid);
@@ -153,7 +156,7 @@ LightSample light_sample(LightSample light, vec2 u) {
 
 // Light i by one point of it, for u in [0, 1)². `pdf` is the direction's probability per solid angle.
 LightSample light_drawn(int i, vec3 position, vec2 u, out float pdf, out bool sharp) {
-    for (int n = 0; n < int(light_flat(i)); ++n) {
+    if (light_flat(i)) {
         LightPanel panel = light_panel(i, position);
         vec3 to = light_panel_sample(panel, u);
         float distance = length(to);
@@ -170,7 +173,7 @@ LightSample light_drawn(int i, vec3 position, vec2 u, out float pdf, out bool sh
 
 // Light i for renderers that do not follow paths: discs by their centre, without noise; rectangles by one point.
 LightSample light_shading(int i, vec3 position, vec2 u) {
-    for (int n = 0; n < int(light_flat(i)); ++n) {
+    if (light_flat(i)) {
         float pdf;
         bool sharp;
         return light_drawn(i, position, u, pdf, sharp);
@@ -180,7 +183,7 @@ LightSample light_shading(int i, vec3 position, vec2 u) {
 
 // What a ray meets of light i: its radiance, or nothing; how far away, and light_drawn()'s probability per solid angle.
 vec3 light_met(int i, vec3 position, vec3 direction, out float distance, out float pdf) {
-    for (int n = 0; n < int(light_flat(i)); ++n) {
+    if (light_flat(i)) {
         LightPanel panel = light_panel(i, position);
         float cosine = -dot(direction, cross(panel.x, panel.y));
         distance = panel.height / max(cosine, 1e-9);
@@ -198,8 +201,9 @@ vec3 light_met(int i, vec3 position, vec3 direction, out float distance, out flo
 // Radiance of the rectangles that the camera is to see, nearer than `end`. Lights are not solid: what is behind shines through.
 vec3 light_seen(vec3 position, vec3 direction, float end) {
     vec3 sum = vec3(0.0);
+    if (!light_shown) return sum;
     for (int i = 0; i < light_count; ++i) {
-        for (int n = 0; n < int(light_flat(i) && light_place[i].w > 0.0); ++n) {
+        if (light_flat(i) && light_place[i].w > 0.0) {
             float distance;
             float pdf;
             vec3 seen = light_met(i, position, direction, distance, pdf);

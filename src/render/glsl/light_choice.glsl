@@ -88,9 +88,8 @@ vec3 light_found(int sampling, LightOrigin from, vec3 direction, float end) {
 // Light of the environment that a ray meets by chance.
 vec3 environment_found(int sampling, LightOrigin from, vec3 direction) {
     if (sampling == 1) return vec3(0.0);
-    // A loop of at most one turn: where the environment is met by chance alone, there is nothing to weigh.
     float weight = 1.0;
-    for (int n = 0; n < int(sampling == 0 && from.environment); ++n)
+    if (sampling == 0 && from.environment)
         weight = light_heuristic(from.pdf, light_part(light_count, from) * environment_pdf(direction));
     return weight * environment_at(direction);
 }

@@ -32,8 +32,9 @@ vec3 medium_limited(vec3 light, bool indirect, float limit) {
     return indirect && limit > 0.0 && most > limit ? light * (limit / most) : light;
 }
 
-// An environment that is about the same everywhere is best found by chance: no ray for it is needed.
-bool medium_asks_environment(int sampling) { return sampling == 1 || (sampling == 0 && environment_peak > 4.0); }
+// An environment that is about the same everywhere (not environment_peaked, which the engine adds) is best found by chance: no ray
+// for it is needed.
+bool medium_asks_environment(int sampling) { return sampling == 1 || (sampling == 0 && environment_peaked); }
 
 void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 albedo) {
     Ray ray = camera_sample(pixel);
@@ -62,8 +63,6 @@ void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geom
     float t = ray.t_min;
     bool alive = true;
     bool lamp = false;        // the camera sees a light
-    bool near = false;        // lights may be within the medium
-    for (int k = 0; k < light_count; ++k) near = near || light_kind[k] != 0;
     // Slices are seen by the camera alone; one that hides a part is there for that part of the paths.
     Slice slice = Slice(1e30, vec4(0.0));
     if (inside) slice = slice_next(ray, slice_start(ray));
@@ -73,15 +72,15 @@ void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geom
     }
     bool sliced = slice.t < 1e30;
     ray.t_max = sliced ? min(slice.t, ray.t_max) : ray.t_max;
-    for (int i = 0; i < 100000 && alive; ++i) {
+    for (int turn = 0; turn < 100000; ++turn) {
         bool gone = !inside;
         bool collided = false;
         vec4 look = vec4(0.0);
         // To the next scattering or the end: rejected collisions are many, and what comes after this is long.
-        for (int m = 0; m < 64 && !collided && !gone; ++m) {
+        for (int n = 0; n < (gone ? 0 : 64); ++n) {
             bool event = false;
             float majorant = 0.0;
-            for (int k = 0; k < 4 && !event && !gone; ++k) {
+            for (int k = 0; k < 16; ++k) {
                 float border;
                 medium_segment(path, t, border, majorant);
                 border = min(border, ray.t_max);
@@ -90,8 +89,9 @@ void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geom
                 depth -= event ? 0.0 : majorant * (border - t);
                 t = event ? reach : border;
                 gone = !event && t >= ray.t_max;
+                if (event || gone) break;
             }
-            for (int n = 0; n < int(event); ++n) {
+            if (event) {
                 look = medium_look(path.origin + t * path.direction);
                 float part = clamp(look.a / majorant, 0.0, 1.0);
                 depth = -log(1.0 - medium_number());
@@ -108,10 +108,10 @@ void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geom
                     collided = u < part;
                 }
             }
+            if (collided || gone) break;
         }
-        // Loops of one turn instead of ifs, which processors without a GPU skip.
         bool again = false; // a ray begins at `from`, to `next`
-        for (int n = 0; n < int(gone && asking); ++n) {
+        if (gone && asking) {
             sum += medium_limited(light * left, bounce > 1, how.limit);
             asking = false;
             ray.direction = next;
@@ -119,13 +119,13 @@ void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geom
             again = true;
         }
         // The path happens to hit lights on its way; suns only where it leaves.
-        for (int n = 0; n < int(!again && (gone || (collided && near)) && light_count > 0); ++n) {
+        if (!again && (gone || (collided && light_local)) && light_count > 0) {
             float end = gone && !(sliced && bounce == 0) ? 1e30 : t;
             vec3 met = bounce == 0 ? light_seen(ray.origin, ray.direction, end) : light_found(how.sampling, from, ray.direction, end);
             lamp = bounce == 0 && met != vec3(0.0);
             sum += medium_limited(through * met, bounce > 1, how.limit);
         }
-        for (int n = 0; n < int(gone && !again); ++n) {
+        if (gone && !again) {
             // It leaves and meets the environment, or a slice.
             bool camera = bounce == 0;
             vec3 met = vec3(0.0);
@@ -145,7 +145,7 @@ void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geom
         }
         // A path whose last flight ends in the medium brings nothing more.
         alive = alive && !(collided && bounce >= how.bounces);
-        for (int n = 0; n < int(collided && alive); ++n) {
+        if (collided && alive) {
             vec3 place = path.origin + t * path.direction;
             from.position = ray.origin + t * ray.direction;
             Medium m = medium_at(place, look);
@@ -179,11 +179,11 @@ void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geom
             // A light, by its chance.
             float part = 0.0;
             int chosen = -1;
-            for (int j = 0; j < int(light_count > 0 || from.environment); ++j) chosen = light_choose(from, u_choice, part);
+            if (light_count > 0 || from.environment) chosen = light_choose(from, u_choice, part);
             light = vec3(0.0);
             vec3 towards = vec3(0.0);
             float distance = 0.0;
-            for (int j = 0; j < int(chosen >= 0); ++j) {
+            if (chosen >= 0) {
                 float density;
                 bool sharp;
                 LightSample asked = light_asked(chosen, from.position, u_light, density, sharp);
@@ -211,7 +211,7 @@ void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geom
             alive = !ends;
             again = true;
         }
-        for (int n = 0; n < int(again && alive); ++n) {
+        if (again && alive) {
             ray.origin = from.position;
             ray.t_min = 0.0;
             t = 0.0;
@@ -220,6 +220,7 @@ void medium_paths(MediumPaths how, ivec2 pixel, out vec4 radiance, out vec4 geom
             // Light is still brought to the last collision; the path does not go further.
             alive = asking || (bounce < how.bounces || how.sampling != 1);
         }
+        if (!alive) break;
     }
     bool finite = !any(isnan(sum)) && !any(isinf(sum));
     radiance.rgb = finite ? sum : vec3(0.0);

@@ -1,8 +1,10 @@
 // What is there of a picture in the accumulators of integrate_mean.glsl or, before the first sample is complete, in its estimate.
+//
+// The engine adds: const bool present_accumulated: it is the accumulators' turn. (Rasterisers on the CPU would read both.)
 #include "render/glsl/accumulator_mean.glsl"
 #include "render/glsl/camera.glsl"
 
-uniform int estimate_done;         // complete sub-images of the first sample; -1: show the accumulators
+uniform int estimate_done;         // complete sub-images of the first sample
 uniform int estimate_nearest[64];  // steps to the nearest complete one (see interleave.hpp)
 uniform ivec2 estimate_current;    // offset of the sub-image in progress
 uniform ivec2 estimate_band;       // its part that is there: first texel and number of texels, cyclically, in the order of render::TileCursor
@@ -21,10 +23,9 @@ bool present_in_band(ivec2 pixel) {
 bool present_nearest(ivec2 pixel, out ivec2 from) {
     from = pixel;
     bool there = true;
-    // Nothing to look for where all are there. (A loop of at most one turn: rasterisers on the CPU skip an empty loop, but not an `if`.)
-    bool all = estimate_done < 0 || estimate_done == estimate_factor * estimate_factor;
-    for (int i = all ? 1 : 0; i < 1; ++i) {
-        if (present_in_band(pixel)) break;
+    // Nothing to look for where all are there.
+    bool all = present_accumulated || estimate_done == estimate_factor * estimate_factor;
+    if (!all && !present_in_band(pixel)) {
         there = estimate_done > 0;
         ivec2 inside = pixel - estimate_factor * estimate_cell(pixel);
         int code = there ? estimate_nearest[inside.y * 8 + inside.x] : 0x88;
@@ -35,15 +36,13 @@ bool present_nearest(ivec2 pixel, out ivec2 from) {
     return there;
 }
 
-// Loops of at most one turn: rasterisers on the CPU skip an empty loop, but would read all textures for an `if`.
 void present_new(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 albedo) {
-    for (int i = estimate_done >= 0 ? 0 : 1; i < 1; ++i) {
+    if (!present_accumulated) {
         ivec2 texel = estimate_texel(pixel);
         radiance = texelFetch(estimate_radiance, texel, 0);
         geometry = texelFetch(estimate_geometry, texel, 0);
         albedo = texelFetch(estimate_albedo, texel, 0);
-    }
-    for (int i = estimate_done >= 0 ? 1 : 0; i < 1; ++i) {
+    } else {
         vec4 mean = texelFetch(accumulator_mean, pixel, 0);
         vec4 normal = texelFetch(accumulator_normal, pixel, 0);
         vec4 color = texelFetch(accumulator_albedo, pixel, 0);

@@ -16,5 +16,5 @@ uniform float shininess; //! 30 [1, 500] log | Exponent of the highlights (Blinn
 uniform float sky_light; //! 1 [0, 4] | Strength of the environment's light
 
 void kernel_main(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 albedo) {
-    field_march(FieldLook(step, shading, specular, shininess, sky_light, rays, reach, shadows, true), pixel, radiance, geometry, albedo);
+    field_march(FieldLook(step, shading, specular, shininess, sky_light, rays, reach, shadows, 1.0), pixel, radiance, geometry, albedo);
 }

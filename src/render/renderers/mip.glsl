@@ -36,17 +36,19 @@ void kernel_main(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 alb
         slice = slice_next(ray, slice.t);
     }
     float t = ray.t_min + stride * random_pair(pixel, 16u).x;
-    float border = t;
-    for (int i = 0; i < 8192 && inside && t < ray.t_max; ++i) {
+    float border;
+    for (int brick = 0; brick < (inside && t < ray.t_max ? 8192 : 0); ++brick) {
         // Bricks that have nothing larger, or nothing that is seen, are stepped over.
-        for (int k = 0; k < 8 && t >= border; ++k) {
-            if (field_range(ray, t, border).y <= max(most, low)) t += ceil(max(border - t, 0.0) / stride) * stride;
+        if (field_range(ray, t, border).y <= max(most, low)) t += ceil(max(border - t, 0.0) / stride) * stride;
+        border = min(border, ray.t_max);
+        for (int n = 0; n < (t < border ? 8192 : 0); ++n) {
+            float value = field_value(ray.origin + t * ray.direction);
+            where = value > most ? t : where;
+            most = max(most, value);
+            t += stride;
+            if (t >= border) break;
         }
         if (t >= ray.t_max) break;
-        float value = field_value(ray.origin + t * ray.direction);
-        where = value > most ? t : where;
-        most = max(most, value);
-        t += stride;
     }
     float shown = clamp((most - low) / max(high - low, 1e-6), 0.0, 1.0);
     vec3 color = colored ? field_tint(most) : vec3(1.0);

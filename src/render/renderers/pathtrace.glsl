@@ -126,10 +126,9 @@ void kernel_main(ivec2 pixel, out vec4 radiance, out vec4 geometry, out vec4 alb
             vec3 arriving = light.irradiance * weight;
             if (haze) arriving *= exp(-haze_depth(air(), hit.position, l, light.distance));
             vec3 scattered = scatter_value(drifting, m, n, v, l) * arriving;
-            if (max(scattered.r, max(scattered.g, scattered.b)) <= 0.0 ||
-                surface_blocked(hit, drifting ? l : n, l, light.distance))
-                continue;
-            sum += limited(through * scattered, bounce > 0);
+            bool dark = max(scattered.r, max(scattered.g, scattered.b)) <= 0.0;
+            if (!dark && !surface_blocked(hit, drifting ? l : n, l, light.distance)) sum += limited(through * scattered, bounce > 0);
+            if (k == last) break;
         }
 
         vec2 choice = random_pair(pixel, dimension + 1u);

@@ -30,7 +30,7 @@ vec3 lit(ivec2 pixel, Hit hit, Material m, vec3 n, vec3 v) {
         float pdf;
         bool sharp;
         LightSample light = light_at(i, hit.position);
-        for (int k = 0; k < int(sampled); ++k) light = light_drawn(i, hit.position, random_pair(pixel, 8u + uint(i)), pdf, sharp);
+        if (sampled) light = light_drawn(i, hit.position, random_pair(pixel, 8u + uint(i)), pdf, sharp);
         vec3 l = light.direction;
         vec3 f = brdf_value(brdf, m, n, v, l) * light.irradiance;
         if (max(f.r, max(f.g, f.b)) <= 0.0) continue;
