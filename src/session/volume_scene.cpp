@@ -10,7 +10,7 @@ scene::Scene volumeScene(const std::string& source, const std::string& title) {
     scene.set("subject", Json{{"type", "volume"}, {"source", source}});
     // Occlusion and shadows show forms at once and are cheap.
     scene.set("renderer", Json{{"type", "lao"}});
-    scene.set("output.samples", Json(16));
+    scene.set("output.samples", Json(32));
     // A key light from the upper left, a cool one from behind on the right, and dark behind it all.
     scene.set(
         "lights",
