@@ -5,7 +5,6 @@
 
 #include <array>
 #include <functional>
-#include <map>
 #include <optional>
 
 namespace apeiron::render {
@@ -256,7 +255,7 @@ class KernelRenderer : public Renderer {
     gpu::Kernel& preparePresent(const Picture& picture, const Interleave& interleave, const Progress& progress,
                                 const History* history) {
         const PresentKind kind{progress.blocks < 0, static_cast<bool>(picture.point), history != nullptr};
-        std::shared_ptr<gpu::Kernel>& present = present_[kind];
+        std::shared_ptr<gpu::Kernel>& present = present_[kind.index()];
         if (!present) present = makePresent_(kind);
         gpu::Kernel& kernel = *present;
         if (view_) view_->upload(kernel);
@@ -313,7 +312,7 @@ class KernelRenderer : public Renderer {
     std::shared_ptr<gpu::Kernel> generate_;
     std::shared_ptr<gpu::Kernel> integrate_;
     std::optional<View> view_;
-    std::map<PresentKind, std::shared_ptr<gpu::Kernel>> present_; ///< compiled when they are needed
+    std::array<std::shared_ptr<gpu::Kernel>, 8> present_; ///< by PresentKind::index(): compiled when they are needed
     std::function<std::shared_ptr<gpu::Kernel>(const PresentKind&)> makePresent_;
     std::shared_ptr<gpu::Kernel> harmonicsKernel_;
     std::shared_ptr<gpu::Kernel> probe_;

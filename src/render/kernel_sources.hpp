@@ -2,7 +2,7 @@
 
 #include "render/subject.hpp"
 
-#include <compare>
+#include <cstddef>
 
 namespace apeiron::render {
 
@@ -45,7 +45,8 @@ struct PresentKind {
     bool accumulated = false; ///< shows the accumulators, not the estimate
     bool points = false;      ///< keeps the points that pixels show: a fourth output
     bool history = false;     ///< and takes what is not there from the picture of before the camera moved
-    auto operator<=>(const PresentKind&) const = default;
+    /// 0 to 7, one for each.
+    std::size_t index() const { return (accumulated ? 1U : 0U) + (points ? 2U : 0U) + (history ? 4U : 0U); }
 };
 
 /// `present` of that name; 3 outputs, or 4.
